@@ -1,6 +1,8 @@
 """Events of functions: quantities that have a name, and such that only their equations tell."""
 
+import importlib.util
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, cast
 
@@ -235,10 +237,9 @@ def test_what_a_function_raises_is_raised_and_no_number_ends_the_body() -> None:
 
     run = rigid.simulate(SCENES["top"], OMEGA, ATTITUDE, t=[UNTIL], events=rigid.crosses(lost))
     assert not run.events[0].complete
-    with (
-        pytest.warns(UserWarning, match="event = .*raises"),
-        pytest.raises(LookupError, match="no such star"),
-    ):
+    warns = pytest.warns(UserWarning, match="event = .*raises")
+    has_numba = importlib.util.find_spec("numba") is not None
+    with warns if has_numba else nullcontext(), pytest.raises(LookupError, match="no such star"):
         found(SCENES["top"], rigid.crosses(raises))
 
 
