@@ -295,7 +295,12 @@ def _run(*command: str, folder: Path = COPY) -> subprocess.CompletedProcess[str]
         "RUSTFLAGS": "-Ctarget-cpu=native",
     }
     return subprocess.run(
-        (*limits, *command), cwd=folder, env=environment, capture_output=True, text=True, check=False
+        (*limits, *command),
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
     )
 
 
