@@ -33,7 +33,7 @@ from python_mutants import Mutant, python_mutants
 ROOT = Path(__file__).parents[2]
 COPY = ROOT / "target" / "mutation"
 
-#: Processor time (s) of a command by which a mutant runs without end, and its time in all if it waits.
+#: Processor time (s) of a command by which a mutant runs without end, and its time if it waits.
 LONGEST, PATIENCE = 200, 600
 
 #: What has more than one instruction set, and what has none of them.
