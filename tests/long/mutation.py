@@ -319,6 +319,8 @@ def fails_in_python(*tests: str) -> str | None:
     if not done.returncode:
         return None
     found = json.loads(FAILED.read_text()) if FAILED.is_file() else {}
+    if not found and done.returncode == 1:
+        raise SystemExit(done.stderr)  # pytest itself has failed
     return next((name.removeprefix("tests/python/") for name in found), ENDLESS)
 
 
