@@ -129,6 +129,7 @@ def test_a_state_with_a_pole_has_the_phases_of_the_motion(
     phases = rng.uniform(-7.0, 7.0, (9, 2))
     given: Any = {"precession": 7.0, "rotation": rotation, "mode": mode, "pole": poles}
     found = free.spin_state(moments, phases=phases, **given)
+    assert found.attitude is not None
     to_space = rigid.rotations.quaternion_to_matrix(found.attitude)
     momentum = np.matvec(to_space, np.array(moments) * found.omega)
     size = np.linalg.norm(momentum, axis=1)
@@ -151,6 +152,8 @@ def test_a_state_with_a_pole_has_the_phases_of_the_motion(
         np.testing.assert_allclose(later.omega, run.omega[:, k], atol=1e-13)
     after = phases + 2.0 * np.pi * np.array([rotation / 7.0, 1.0])
     same = free.spin_state(moments, phases=after, **given)
+    assert same.attitude is not None
+    assert run.attitude is not None
     apart = np.abs(np.vecdot(same.attitude, run.attitude[:, 1]))
     np.testing.assert_allclose(apart, 1.0, rtol=1e-14)
 
