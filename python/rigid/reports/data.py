@@ -58,7 +58,7 @@ class Row:
         Angle between the last attitude and the true one (rad), of the worst body; at least the
         uncertainty of the reference, infinite if none is known.
     energy_drift, momentum_drift : float
-        As in :class:`rigid.Run`, worst of the ensemble: of the last state, or, in a report over
+        As in :class:`rigid.Run`, worst of the ensemble, infinite if not known: of the last state, or, in a report over
         revolutions, of states on the way. There the momentum of a body without torque, damping and
         other forces is that in space; of a top, its component along the vertical, and that along
         the axis of a symmetric top.
