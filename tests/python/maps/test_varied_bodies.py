@@ -53,6 +53,26 @@ def test_a_uniform_parameter_is_what_numpy_draws() -> None:
         assert once.mean() > 0.8
 
 
+@pytest.mark.parametrize("names", [("I1", "I3"), ("I3", "I1")])
+def test_draws_do_not_depend_on_the_order_in_which_parameters_are_named(
+    names: tuple[str, str], tmp_path: Path
+) -> None:
+    """NumPy draws them by the place of each name in the alphabet; a store has the same bodies."""
+    vary = {name: rigid.uniform(0.05) for name in names}
+    in_memory = flipping(vary)
+    stored = flipping(vary, store=tmp_path / "boxes.rigid")
+    for result in (in_memory, stored):
+        drawn = result.starts(np.arange(70), pixel=1)
+        assert drawn.draws is not None
+        assert np.all(drawn.draws == 1)  # the largest draw, 2.55, is below 0.95 + 2
+        for place, nominal in enumerate({"I1": 1.0, "I3": 2.5}.items()):
+            name, value = nominal
+            expected = value + 0.05 * (2.0 * uniforms(3 + place, 1, 70) - 1.0)
+            assert np.array_equal(drawn.parameters[name], expected)
+    assert np.array_equal(stored.stable, in_memory.stable)
+    assert np.array_equal(stored.earliest, in_memory.earliest)
+
+
 def test_a_normal_parameter_has_mean_and_deviation() -> None:
     result = flipping({"I2": rigid.normal(0.02, relative=True)}, samples=4000)
     values = result.starts(np.arange(4000), pixel=0).parameters["I2"]

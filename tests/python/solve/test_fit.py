@@ -266,6 +266,24 @@ def test_a_fit_finds_the_numbers_of_every_force(force: str) -> None:
     assert np.allclose([numbers_of_name(found.scene, name) for name in free], found.values)
 
 
+@pytest.mark.parametrize(
+    ("absent", "guess"), [("drag", 0.01), ("dissipation", rigid.EnergySink(0.01))]
+)
+def test_a_force_that_does_not_act_ends_within_its_error_of_zero(absent: str, guess: Any) -> None:
+    """Of four logs some ask for a negative coefficient: the fit ends at the bound, zero."""
+    scene: Any = rigid.FreeBody(BODY, damping=0.01, **{absent: guess})
+    ends = []
+    for seed in range(4):
+        rates = measured(rigid.FreeBody(BODY, damping=0.02), 0.01, seed)
+        found = rigid.fit(scene, T, omega=rates, sigma=0.01, free=(absent, "damping"), start=START)
+        assert found.success
+        # Four standard deviations of each number, of a parameter at its bound with those inside.
+        assert np.all(abs(found.values - [0.0, 0.02, 0.02, 0.02]) < 4.0 * found.std)
+        assert found.values[0] >= 0.0
+        ends.append(found.at_bounds)
+    assert any(f"{absent} is zero, the least that it can be" in words for words in ends)
+
+
 def numbers_of_name(scene: Any, name: str) -> float:
     """The value of a parameter, read from the attributes of the scene."""
     if name in ("rate", "eccentricity", "anomaly"):
