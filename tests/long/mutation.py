@@ -64,9 +64,6 @@ _CLOSED = (
 # What is quick and fails first stands first.
 _ERRORS = (
     "solve/test_stated_errors.py",
-    "solve/test_stated_errors.py",
-    "solve/test_stated_errors.py",
-    "solve/test_strong_damping.py",
     "solve/test_strong_damping.py",
     "solve/test_plan.py",
     "solve/test_error_estimates.py",
