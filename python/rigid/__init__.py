@@ -93,9 +93,9 @@ from .solve.methods import Method, methods
 from .solve.motion import Motion
 from .solve.plan import Plan
 from .solve.run import OrbitStates, Run, load_run
-from .solve.sensitivity import condition
 from .solve.simulate import simulate
 from .solve.status import Status
+from .solve.tangent import condition
 from .store.call import stability_map
 from .store.result import StabilityMap, load_map
 

@@ -222,7 +222,6 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "solve/least_squares.py": ("solve/test_fit.py", "solve/test_gyroscopes.py"),
     "solve/lyapunov.py": ("solve/test_lyapunov.py",),
     "solve/motion.py": ("solve/test_motion.py",),
-    "solve/parameters.py": ("solve/test_sensitivity.py", "solve/test_fit.py"),
     "solve/run.py": (
         "solve/test_axes_of_a_drawing.py",
         "solve/test_invariants.py",
@@ -231,9 +230,13 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "solve/test_runs_kept.py",
         "contract/test_notebook.py",
     ),
-    "solve/sensitivity.py": ("solve/test_sensitivity.py", "solve/test_tangent.py"),
     "solve/surfaces.py": ("sections/test_poincare.py", "solve/test_events.py"),
-    "solve/tangent.py": ("solve/test_tangent.py", "solve/test_lyapunov.py"),
+    "solve/tangent.py": (
+        "solve/test_tangent.py",
+        "solve/test_sensitivity.py",
+        "solve/test_lyapunov.py",
+        "solve/test_fit.py",
+    ),
     "solve/timing.py": ("solve/test_cost_of_a_plan.py",),
     "solve/unknowns.py": ("solve/test_fit.py", "solve/test_gyroscopes.py"),
     "springs.py": ("test_springs.py",),

@@ -25,7 +25,7 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "-1 -> +1",
     ): "the array has two axes",
     (
-        "solve/sensitivity.py",
+        "solve/tangent.py",
         "max_steps=10**9,",
         "10 -> 11",
     ): "no body takes so many steps before its call is given up",

@@ -14,8 +14,8 @@ from .. import _core
 from .._checks.arguments import brief
 from .._checks.quantities import plain
 from .._checks.shown import short_repr
-from ..solve.sensitivity import amplification
 from ..solve.status import Status
+from ..solve.tangent import amplification
 from .data import MapData
 from .job import requests
 from .replay import named_outcomes, pixel_index

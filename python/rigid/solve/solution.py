@@ -21,12 +21,11 @@ from .bodies import Bodies
 from .choose_method import Choice, bodies_alike, choose_method
 from .events import FoundEvents, events_of_parts, find_events
 from .methods import EXACT, SERIES, SERIES_TOLERANCE
-from .parameters import parameter_changes
 from .plan import Lazy, Plan, plan_of_parts
 from .request import Problem, Request
 from .status import Status
 from .surfaces import Watched
-from .tangent import tangent_of
+from .tangent import parameter_changes, tangent_of
 
 COLUMNS: Mapping[str, int] = {
     **{"omega": 3, "gamma": 3, "attitude": 4, "work": 1},
