@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ._checks.arguments import brief, finite_float, one_of, positive_int
 from ._checks.arrays import AttitudeLike
+from ._timing import LEAST_SHARE, LEAST_STEPS, seconds_of_one
 from .maps.job import to_core
 from .maps.plan import map_plan, of_one_pixel, shortened
 from .maps.spec import MapSpec
@@ -28,7 +29,6 @@ from .solve.plan import Plan
 from .solve.request import Problem
 from .solve.run import Run
 from .solve.simulate import simulate
-from .solve.timing import LEAST_SHARE, LEAST_STEPS, seconds_of_one
 from .store.call import run_map
 
 SAMPLES = 1000

@@ -30,7 +30,7 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "10 -> 11",
     ): "no body takes so many steps before its call is given up",
     (
-        "solve/timing.py",
+        "_timing.py",
         "PACK = 8",
         "8 -> 9",
     ): "it decides how fast a cost is measured, not what it is",

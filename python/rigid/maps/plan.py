@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._timing import LEAST_STEPS
 from ..model.body import Body
 from ..model.criterion import Criterion
 from ..model.forces import forces_in_words
@@ -29,7 +30,6 @@ from ..solve.plan import (
     shortest_and_most,
     why_unforeseen,
 )
-from ..solve.timing import LEAST_STEPS
 from .axes import Axis
 from .judge import TOLERANCE, is_adaptive
 from .spec import MapSpec

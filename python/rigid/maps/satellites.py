@@ -27,11 +27,11 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from .._energy_loss import mean_loss
 from .._libration import squares
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.orbit import Orbit
 from ..rotations import quaternion_to_matrix
-from ..solve.energy_loss import mean_loss
 from .spec import MapSpec
 
 Floats = NDArray[np.float64]
