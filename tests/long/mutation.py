@@ -185,10 +185,14 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "solve/test_fit.py",
     ),
     "model/sourced.py": ("maps/test_captured.py",),
+    "model/noise.py": (
+        "maps/test_given_samples.py",
+        "maps/test_joint_noise.py",
+        "maps/test_draws.py",
+        "maps/test_map_bad_input.py",
+    ),
     "model/start.py": (
         "maps/test_start_attitude.py",
-        "maps/test_given_samples.py",
-        "maps/test_draws.py",
         "maps/test_map_grid.py",
         "maps/test_map_bad_input.py",
     ),

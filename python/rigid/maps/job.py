@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from .. import _core
 from .._checks.arguments import one_of
 from ..model.mixture import Mixture
-from ..model.start import Noise, Samples, Start
+from ..model.noise import Noise, Samples
+from ..model.start import Start
 from ..solve.methods import AUTO, EXACT, map_methods, series_methods
 from .core_request import CoreRequest, CoreStarts
 from .grid import Pixels

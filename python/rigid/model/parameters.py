@@ -18,10 +18,11 @@ from .. import _core
 from .._moments import box_moments
 from .body import Body
 from .forces import FORCES, EnergySink
+from .noise import Noise
 from .orbit import HYPERBOLA, MOST_ECCENTRIC, Orbit
 from .sampled import Sampled
 from .scene import HeavyTop, Scene
-from .start import Noise, Start, cos_sin
+from .start import Start, cos_sin
 from .torque import Torque
 
 Floats = NDArray[np.float64]

@@ -37,9 +37,10 @@ from .leading import (
     taken,
     vector_of,
 )
+from .noise import normal
 from .orbit import Orbit
 from .sampled import RotorTable, Sampled
-from .start import Start, normal
+from .start import Start
 from .torque import (
     Damping,
     Torque,
