@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, replace
 from functools import cached_property
+from hashlib import blake2b
 from typing import Any
 
 import numpy as np
@@ -97,8 +98,6 @@ class Head:
     @cached_property
     def seal(self) -> bytes:
         """As ``key``, with the division that rows are numbered by: the key of digests in logs."""
-        from hashlib import blake2b  # here and below: takes longer to import than this module
-
         content = self.content
         for label in ("version", "commit"):
             del content[label]
@@ -235,8 +234,6 @@ def fingerprint(data: MapData) -> str:
     It depends on neither instruction set, threads, engine nor order. No NaN of any bits but one is
     in the arrays.
     """
-    from hashlib import blake2b
-
     digest = blake2b(Head.of(data.spec).key, digest_size=32)
     for name, dtype in STORED.items():
         array = np.ascontiguousarray(getattr(data, name), dtype=dtype.newbyteorder("<"))
