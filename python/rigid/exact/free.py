@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arrays import require, vectors
+from .._checks.arrays import Floats, require, vectors
 from .._checks.shown import short_repr
 from .._moments import without_spin
 from ..model.body import Body, rates_of_rods
@@ -17,8 +17,6 @@ from ..model.leading import leading_shape
 from ..model.scene import FreeBody
 from ..solve.arrays import in_rows, rows_of_each
 from .common import in_shape
-
-Floats = NDArray[np.float64]
 
 
 @short_repr

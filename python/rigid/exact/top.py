@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import finite_float
-from .._checks.arrays import finite_array, require
+from .._checks.arrays import Floats, finite_array, require
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
 from ..model.leading import leading_shape
@@ -26,8 +26,6 @@ from .symmetry import Symmetry, require_each, symmetry_of
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-
-Floats = NDArray[np.float64]
 
 LEAST_LIMIT = 1e-150
 """Least angle (rad) whose cosine is told from one by a double, ``1 - cos``."""

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
+from .._checks.arrays import Floats
 from .._checks.float_environment import in_standard_floats
 from .._moments import can_move, rods, without_spin
 from ..model.body import rates_of_rods
@@ -26,8 +27,6 @@ from ..rotations.apply import to_body
 from ..solve.bodies import Bodies
 from .axes import Axis, in_order
 from .vary import Draws, Varied
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._checks.arrays import Floats
 from .._timing import LEAST_STEPS
 from ..model.body import Body
 from ..model.criterion import Criterion
@@ -33,8 +34,6 @@ from ..solve.plan import (
 from .axes import Axis
 from .judge import TOLERANCE, is_adaptive
 from .spec import MapSpec
-
-Floats = NDArray[np.float64]
 
 
 def map_plan(spec: MapSpec) -> Plan:

@@ -25,8 +25,8 @@ import math
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .._checks.arrays import Floats
 from .._energy_loss import mean_loss
 from .._libration import squares
 from ..model.criteria import NoFlip, TiltBelow
@@ -34,7 +34,6 @@ from ..model.orbit import Orbit
 from ..rotations import quaternion_to_matrix
 from .spec import MapSpec
 
-Floats = NDArray[np.float64]
 Predicted: TypeAlias = tuple[str, Floats, dict[str, Floats]]
 """Label, share of each pixel, and the lines where a number of each pixel is zero."""
 

@@ -52,6 +52,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.arrays import Floats
 from .._checks.shown import angle_words
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.forces import FORCES
@@ -63,7 +64,6 @@ from .moons import attitude_resonances, spin_orbit_resonances
 from .satellites import NORMAL_REACH, RAYLEIGH_HALF, Predicted, flat_spin, on_orbit
 from .spec import MapSpec
 
-Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 SMALL = 0.05

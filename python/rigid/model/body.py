@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, finite_float, first_place, numbers, shaped, vector
+from .._checks.arrays import Floats
 from .._checks.quantities import LARGE_SIDE, LEAST_DENSITY, without_unit
 from .._checks.warned import warn_caller
 from .._moments import (
@@ -42,8 +43,6 @@ if TYPE_CHECKING:
 
     from ..inertia.mass_properties import MassProperties
 
-
-Floats = NDArray[np.float64]
 
 Moments: TypeAlias = tuple[float, float, float] | Floats
 """Principal moments of one body, or of many bodies with shape (..., 3)."""

@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, shaped
+from .._checks.arrays import Floats
 from .._core import MOST_STATES
 from .compiling import UNKNOWN, Callback, of_python
 from .leading import ByValue, Index, Shape, axes_of, frozen, leading_shape, taken
-
-Floats = NDArray[np.float64]
 
 NO_STATES = "states: the scene has none; give Torque.call(..., states=k)"
 

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Floats = NDArray[np.float64]
+from .._checks.arrays import Floats
 
 Shape: TypeAlias = tuple[int, ...]
 Index: TypeAlias = Any
