@@ -13,13 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, first_place, numbers, shaped, sorted_times
-from .._checks.arrays import Floats
 from .forces import FORCES
 from .frame import turned
 from .function import NO_STATES, TorqueFunction
-from .leading import ByValue, Index, Shape, Vector, axes_of, frozen, leading_shape, taken
+from .leading import ByValue, Index, Shape, axes_of, frozen, leading_shape, taken
 from .sampled import Sampled, linear, on_piece, reached
 
+Floats = NDArray[np.float64]
+Vector: TypeAlias = tuple[float, float, float]
 Damping: TypeAlias = tuple[Vector, Vector, Vector] | Floats
 """The damping matrix of one body, or of many with shape (..., 3, 3)."""
 
