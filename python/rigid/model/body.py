@@ -23,20 +23,20 @@ from .._moments import (
     rods,
     symmetric_tensor,
 )
-from .forces import forces_in_words
-from .gravity import checked_properties
-from .leading import (
+from .batch import (
     ByValue,
     Index,
     Shape,
     axes_of,
+    batch_shape,
     frozen,
     holds,
     index_of_bodies,
-    leading_shape,
     taken,
     vector_of,
 )
+from .forces import forces_in_words
+from .gravity import checked_properties
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -848,7 +848,7 @@ def _warn_of_units(sides: tuple[float, float, float], mass: float) -> None:
 
 def _together(**sizes: float | Floats) -> Shape:
     """The axes of bodies with these sizes; ValueError if they do not broadcast."""
-    return leading_shape({name: np.shape(size) for name, size in sizes.items()})
+    return batch_shape({name: np.shape(size) for name, size in sizes.items()})
 
 
 def _size(name: str, value: ArrayLike, *, zero: bool = False) -> float | Floats:
@@ -961,6 +961,6 @@ def _checked_mass(value: ArrayLike, shape: Shape) -> float | Floats:
     if not np.ndim(value):
         return finite_float("mass", value, positive=True)
     array = shaped("mass", value, positive=True)
-    if leading_shape({"moments": shape, "mass": array.shape}) != shape:
+    if batch_shape({"moments": shape, "mass": array.shape}) != shape:
         raise ValueError(f"mass: expected shape {shape} or (), got {array.shape}")
     return frozen(np.broadcast_to(array, shape))

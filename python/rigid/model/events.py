@@ -14,9 +14,9 @@ from .._checks.arguments import brief, finite_float, one_of, vector
 from .._checks.arrays import Floats
 from .._checks.quantities import without_unit
 from .._core import MOST_STATES
+from .batch import three
 from .compiling import taken_by
 from .frame import turned
-from .leading import three
 from .orbit_axes import (
     ANGLES,
     DIRECTIONS,

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from .. import _core
 from .._checks.arguments import brief, finite_float, vector
 from .._checks.arrays import Floats
-from .leading import Vector, three
+from .batch import Vector, three
 
 
 def about_pivot(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .._checks.arguments import brief
 from .._checks.arrays import Floats
-from .leading import three
+from .batch import three
 from .sampled import Sampled
 from .scene import Scene
 from .start import body_axis

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import shaped, sorted_times
 from .._checks.arrays import Floats
+from .batch import Index, Shape, frozen, taken
 from .frame import turned
-from .leading import Index, Shape, frozen, taken
 
 
 class Sampled:

@@ -19,9 +19,9 @@ from .._checks.inputs import described
 from .._checks.progress import ProgressOption
 from ..drawing.colours import AXES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_text, html_with_picture
+from ..model.batch import Shape
 from ..model.events import Event
 from ..model.frame import attitudes_in_frame, attitudes_in_principal_axes, checked_frame, turned
-from ..model.leading import Shape
 from ..model.scene import FreeBody, Scene, scene_from_dict
 from ..rotations.apply import to_space
 from .archive import Archive
