@@ -25,12 +25,12 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "-1 -> +1",
     ): "the array has two axes",
     (
-        "solve/sensitivity.py",
+        "solve/tangent.py",
         "max_steps=10**9,",
         "10 -> 11",
     ): "no body takes so many steps before its call is given up",
     (
-        "solve/timing.py",
+        "_timing.py",
         "PACK = 8",
         "8 -> 9",
     ): "it decides how fast a cost is measured, not what it is",

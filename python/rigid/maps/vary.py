@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import brief, of_known, positive_int
+from .._checks.arrays import Floats
 from .._moments import can_move
 from ..model.body import Body
+from ..model.noise import Noise
 from ..model.parameters import (
     AT_REST,
     OF_RUN,
@@ -25,10 +27,9 @@ from ..model.parameters import (
 )
 from ..model.scene import Scene, check_scene
 from ..model.seed import seed_from
-from ..model.start import Noise, Start
+from ..model.start import Start
 from .axes import Axis, check_once, check_places, in_order
 
-Floats = NDArray[np.float64]
 Numbers = NDArray[np.uint64]
 
 MOST_DRAWS = 1000

@@ -8,17 +8,14 @@ import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self, TypeVar
+from pathlib import Path
+from typing import Any, Self, TypeVar
 
 from .._checks.arguments import brief, finite_float, one_line
 from .._files import published
 from ..solve.methods import EXACT
 from .reference import Reference, Unbounded
 from .spec import ReportSpec
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
 
 FORMAT, FORMAT_VERSION = "rigid report", 1
 
@@ -301,8 +298,6 @@ class ReportData:
         OSError
             If the file cannot be written, or the path names something other than a file.
         """
-        from pathlib import Path
-
         text = self.to_json() + "\n"
         with published(path, [".json"]) as file:
             file.write(text.encode())

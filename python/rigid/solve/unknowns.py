@@ -16,8 +16,8 @@ from ..model.orbit import HYPERBOLA, MOST_ECCENTRIC
 from ..model.parameters import AT_REST, PARAMETERS, numbers_of, scene_of
 from ..model.scene import Scene
 from ..rotations.so3 import exp_so3, over, rodrigues
-from .parameters import checked_names, differentiable, why_not
 from .simulate import simulate
+from .tangent import checked_names, differentiable, why_not
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation

@@ -130,12 +130,8 @@ HEAD: dict[str, tuple[Callable[[dict[str, object]], object], str]] = {
     "no JSON": (lambda head: "x", "is no running map: Expecting value"),
     "other JSON": (lambda head: "[]", "is no running map: its head.json has another format"),
     "other format": (
-        lambda head: json.dumps({**head, "format_version": 4}),
-        "has format version 4, this version of rigid reads 1 and 2 and 3: take another folder",
-    ),
-    "format of another kind": (
         lambda head: json.dumps({**head, "format_version": 2}),
-        "format_version differ from this version of rigid",
+        "has format version 2, this version of rigid reads 1: take another folder",
     ),
     "no specification": (
         lambda head: json.dumps({**head, "spec": {}}),

@@ -1,7 +1,6 @@
 """Running maps with measures: their logs hold bins, and every way of computing gives the same."""
 
 import io
-import json
 import tarfile
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -127,7 +126,6 @@ def test_a_log_is_a_tar_file_of_rows_and_bins(run: Folder) -> None:
                 units.append(np.unique(bins["unit"]))
     assert len(units) == 9
     assert np.concatenate(units).tolist() == np.flatnonzero(run.table.known).tolist()
-    assert json.loads((run.path / "head.json").read_text())["format_version"] == 2
 
 
 def read(content: bytes, run: Folder) -> tuple[Table, Found]:
