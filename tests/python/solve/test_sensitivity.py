@@ -271,28 +271,13 @@ def test_it_changes_no_bit_of_the_motion_and_of_the_tangent(
     assert without.parameters == ()
 
 
-@pytest.mark.parametrize("method", [None, "taylor16", "dop853"])
-def test_a_column_has_the_same_bits_alone_and_on_any_number_of_threads(method: str | None) -> None:
+def test_a_column_is_that_of_a_run_that_asks_for_no_other() -> None:
     omega = np.random.default_rng(5).normal(size=(2, 3, 3))
-    top = made("top")
-    together = sensitivity(top, omega, ("I1", "mgl", "com"), t=TIMES, method=method, threads=2)
+    together = sensitivity(made("top"), omega, ("I1", "mgl", "com"), t=TIMES)
     assert together.shape == (2, 3, 4, 6, 5)
-    alone = sensitivity(top, omega[1, 2], "mgl", t=TIMES, method=method, threads=1)
+    alone = sensitivity(made("top"), omega[1, 2], "mgl", t=TIMES)
     assert alone.tobytes() == np.ascontiguousarray(together[1, 2, ..., 1:2]).tobytes()
-    assert sensitivity(top, omega[:0], "mgl", t=[1.0]).shape == (0, 3, 1, 6, 1)
-
-
-@pytest.mark.parametrize("method", [None, "taylor16", "dop853"])
-def test_units_change_no_digit(method: str | None) -> None:
-    """Moments in quarters, times in eights: all numbers change by powers of two."""
-    names = ("I2", "mgl", "com3", "damping", "torque1")
-    found = sensitivity(made("top"), OMEGA, names, t=TIMES, method=method)
-    mgl = 1.2 * 4.0 / 64.0
-    other = rigid.HeavyTop(rigid.Body(4.0 * MOMENTS), mgl=mgl, com=made("top").com)  # type: ignore[attr-defined]
-    scaled = sensitivity(other, OMEGA / 8.0, names, t=np.array(TIMES) * 8.0, method=method)
-    rows = np.array([8.0] * 3 + [1.0] * 3)
-    columns = np.array([4.0, 4.0 / 64.0, 1.0, 4.0 / 8.0, 4.0 / 64.0])
-    assert (scaled * rows[:, None] * columns == found).all()
+    assert sensitivity(made("top"), omega[:0], "mgl", t=[1.0]).shape == (0, 3, 1, 6, 1)
 
 
 def test_what_is_not_run_has_none() -> None:
