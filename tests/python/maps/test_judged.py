@@ -330,40 +330,34 @@ def test_plans_and_closed_forms() -> None:
 test_bad_input_is_named = refuses(
     [
         (lambda: rigid.judged(ANY, T), TypeError, "function = 3: must be a function"),
-        (lambda: rigid.judged(stays_low, []), ValueError, "t: must be times from 0 on"),
-        (lambda: rigid.judged(stays_low, [-1.0, 1.0]), ValueError, "t: must be times from 0 on"),
-        (lambda: rigid.judged(stays_low, [2.0, 1.0]), ValueError, "times must be ascending"),
-        (lambda: rigid.judged(stays_low, T, of="all"), ValueError, "of = 'all': must be one of"),
+        (lambda: rigid.judged(stays_low, []), "t: must be times from 0 on"),
+        (lambda: rigid.judged(stays_low, [-1.0, 1.0]), "t: must be times from 0 on"),
+        (lambda: rigid.judged(stays_low, [2.0, 1.0]), "times must be ascending"),
+        (lambda: rigid.judged(stays_low, T, of="all"), "of = 'all': must be one of"),
         (
             lambda: rigid.judged(stays_low, T) & rigid.no_flip(),
-            ValueError,
             r"judged\(\) has a function, which can join conditions itself: it is not joined",
         ),
         (
             lambda: small_map(stable=rigid.judged(stays_low, T), t_end=10.0),
-            ValueError,
             r"t_end = 10: must be 20, the last time of judged\(\), or left out",
         ),
         (
             lambda: rigid.stability_map(
                 TOP, stable=rigid.judged(stays_low, T), **{**TOPS, "axes": {"t_end": [10.01, 20.0]}}
             ),
-            ValueError,
             r"axes\['t_end'\]\[0\] = 10.01: must be a time of judged\(\)",
         ),
         (
             lambda: small_map(stable=rigid.judged(stays_low, T), measure=rigid.time_to_leave()),
-            ValueError,
             r"measure: judged\(\) has no time_to_leave",
         ),
         (
             lambda: small_map(stable=rigid.judged(lambda states: states.omega, T)),
-            ValueError,
             r"must return a boolean or a number for each body, of shape \(\d+,\), got float64 of",
         ),
         (
             lambda: small_map(samples=1).spec.with_functions(stable=keeps_its_sign),
-            ValueError,
             "stable: this map has no custom criterion",
         ),
         (
@@ -373,7 +367,6 @@ test_bad_input_is_named = refuses(
                 method="exact",
                 **TOPS,
             ),
-            ValueError,
             "no closed form of judged by stays_low .*centre of mass on the third axis, and of a",
         ),
     ]

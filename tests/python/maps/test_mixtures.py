@@ -120,8 +120,8 @@ def test_a_mixture_is_said_in_toml() -> None:
 
 test_bad_input_is_named = refuses(
     [
-        (lambda: rigid.mixture([QUIET]), ValueError, "starts: 1 are given, must be 2 to 16"),
-        (lambda: rigid.mixture([QUIET] * 17), ValueError, "starts: 17 are given, must be 2 to 16"),
+        (lambda: rigid.mixture([QUIET]), "starts: 1 are given, must be 2 to 16"),
+        (lambda: rigid.mixture([QUIET] * 17), "starts: 17 are given, must be 2 to 16"),
         (
             lambda: rigid.mixture([QUIET, NO_START]),
             TypeError,
@@ -129,17 +129,14 @@ test_bad_input_is_named = refuses(
         ),
         (
             lambda: rigid.mixture([QUIET, WILD], [1.0]),
-            ValueError,
             r"weights: expected shape \(2,\), one for each start, got \(1,\)",
         ),
         (
             lambda: rigid.mixture([QUIET, WILD], [1.0, 0.0]),
-            ValueError,
             r"weights\[1\] = 0: must be positive and finite",
         ),
         (
             lambda: of(MIXED, axes={"spin": [1.0]}),
-            ValueError,
             "axes: 'spin' does not apply: the start is given by omega",
         ),
         (
@@ -147,7 +144,6 @@ test_bad_input_is_named = refuses(
                 start=rigid.mixture([rigid.Start(spin=1.0, axis=k) for k in (1, 2)]),
                 axes={"spin": [1.0]},
             ),
-            ValueError,
             "stable: the starts of the mixture turn about different axes; give axis=...",
         ),
         (lambda: of(3), TypeError, "start = 3: must be a rigid.Start, or a mixture"),

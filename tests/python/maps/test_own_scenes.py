@@ -130,14 +130,13 @@ def test_functions_without_a_file_are_told_apart_too() -> None:
 
 test_functions_that_make_no_scene = refuses(
     [
-        (lambda a, b: None, ValueError, "axes: the function '<lambda>' needs an axis 'b'"),
-        (lambda **kinds: None, ValueError, "must name its arguments, without **"),
-        (lambda *kinds: None, ValueError, "kinds must be an argument by name"),
-        (lambda c=1: None, ValueError, "axes: none is an argument of the function '<lambda>'"),
+        (lambda a, b: None, "axes: the function '<lambda>' needs an axis 'b'"),
+        (lambda **kinds: None, "must name its arguments, without **"),
+        (lambda *kinds: None, "kinds must be an argument by name"),
+        (lambda c=1: None, "axes: none is an argument of the function '<lambda>'"),
         (lambda a: 3, TypeError, "must return a rigid.FreeBody or rigid.HeavyTop, not 3"),
         (
             lambda a: rigid.FreeBody(rigid.Body(np.ones((5, 3)))),
-            ValueError,
             "must return bodies of shape (1,), one for each number it is given, got (5,)",
         ),
     ],
