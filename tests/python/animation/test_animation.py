@@ -574,14 +574,8 @@ def test_faces_of_a_mesh_may_have_four_corners() -> None:
     ("shape", "message"),
     [
         (([[[0, 0, 0]]], [[0, 0, 0]]), r"shape\[0\]: the corners need the shape \(v, 3\)"),
-        (
-            ([[0, 0, 1]], [[0.0, 0.0, 0.0]]),
-            r"shape\[1\]: the faces need whole numbers of shape",
-        ),
-        (
-            ([[0, 0, 1]], [[0, 0]]),
-            r"\(f, n\) with n >= 3, not int64 of shape \(1, 2\)",
-        ),
+        (([[0, 0, 1]], [[0.0, 0.0, 0.0]]), r"shape\[1\]: the faces need whole numbers of shape"),
+        (([[0, 0, 1]], [[0, 0]]), r"\(f, n\) with n >= 3, not int64 of shape \(1, 2\)"),
         (([[0, 0, 1]], [[0, 0, 1]]), r"shape\[1\]: no corner 1 among 1 corners"),
         (([[0, 0, 1]], [[0, 0, -1]]), r"shape\[1\]: no corner -1 among 1 corners"),
         (([[0, 0, 0]], [[0, 0, 0]]), r"shape\[0\]: all corners of the faces are at the origin"),

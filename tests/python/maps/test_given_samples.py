@@ -142,8 +142,7 @@ test_samples_that_do_not_fit = refuses(
         ),
         (
             lambda: small_map(
-                axes={"noise": [1.0]},
-                start=rigid.Start(spin=1.0, noise=rigid.samples(listed()[0])),
+                axes={"noise": [1.0]}, start=rigid.Start(spin=1.0, noise=rigid.samples(listed()[0]))
             ),
             "the start has given samples, which have no size",
         ),

@@ -188,14 +188,8 @@ def test_the_error_of_a_closed_form_beside_a_saddle_is_unknown() -> None:
 
 test_what_a_map_does_not_have_is_refused = refuses(
     [
-        (
-            {"accuracy": 1e-6},
-            "accuracy = 1e-06: has no place beside a criterion: a map classifies",
-        ),
-        (
-            {"times": 3},
-            "times = 3: has no place beside a criterion: a class is no state at output",
-        ),
+        ({"accuracy": 1e-6}, "accuracy = 1e-06: has no place beside a criterion: a map classifies"),
+        ({"times": 3}, "times = 3: has no place beside a criterion: a class is no state at output"),
         ({"attitude": [1, 0, 0, 0]}, "attitude = [1, 0, 0, 0]: has no place beside a criterion"),
         ({"omega": [0, 0, 1], "start": rigid.Start(spin=1.0)}, "omega, start: exclude each other"),
         ({"omega": [[0, 0, 1], [0, 0, 2]]}, "omega: expected shape (3,)"),

@@ -338,10 +338,7 @@ def test_an_interruption_before_the_first_run_leaves_nothing() -> None:
 
 test_mistakes_name_argument_value_and_rule = refuses(
     [
-        (
-            {"omega": (0.0, 0.0, 0.0)},
-            r"omega = \[0.0, 0.0, 0.0\]: must not be zero; a long",
-        ),
+        ({"omega": (0.0, 0.0, 0.0)}, r"omega = \[0.0, 0.0, 0.0\]: must not be zero; a long"),
         ({"revolutions": []}, "revolutions: expected shape .* with at least one number"),
         ({"revolutions": 10.0}, "revolutions: expected shape"),
         (
