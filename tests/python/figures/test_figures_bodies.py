@@ -288,7 +288,6 @@ test_what_cannot_be_drawn_is_refused = refuses(
         (lambda: figures.free_top_omega(OBLATE, OMEGA, t=np.inf), "t = inf"),
         (lambda: figures.coplanar_vectors([], OMEGA), "bodies: expected at least"),
         (lambda: figures.coplanar_vectors([(1, 1, 9)], OMEGA), "triangle"),
-        (lambda: figures.coplanar_vectors([OBLATE], OMEGA).plot([]), "1 panels"),
         (lambda: figures.cones(OBLATE, [0, 0, 2]), "no cone rolls"),
         (lambda: figures.cones(OBLATE, [2, 0, 0]), "no cone rolls"),
         (lambda: figures.cones((1, 1, 1), OMEGA), "no cone rolls"),

@@ -139,16 +139,9 @@ test_covariances_that_do_not_fit = refuses(
             lambda: rigid.Noise("uniform", cov=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))),
             "cov: belongs to normal noise",
         ),
-        (lambda: rigid.normal(1.0, cov=np.eye(3)), "size, cov: give one of the two"),
         (
             lambda: rigid.Start(spin=1.0, attitude_noise=rigid.normal(cov=np.eye(6))),
             "attitude_noise: a covariance of rates and attitude is a noise",
-        ),
-        (
-            lambda: rigid.Start(
-                spin=1.0, noise=rigid.normal(cov=np.eye(6)), attitude_noise=rigid.normal(1.0)
-            ),
-            "attitude_noise: the noise perturbs the attitude already",
         ),
         (
             lambda: small_map(start=rigid.Start(spin=1.0, noise=rigid.normal(cov=np.eye(6)))),

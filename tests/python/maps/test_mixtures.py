@@ -136,16 +136,11 @@ test_bad_input_is_named = refuses(
             r"weights\[1\] = 0: must be positive and finite",
         ),
         (
-            lambda: of(MIXED, axes={"spin": [1.0]}),
-            "axes: 'spin' does not apply: the start is given by omega",
-        ),
-        (
             lambda: small_map(
                 start=rigid.mixture([rigid.Start(spin=1.0, axis=k) for k in (1, 2)]),
                 axes={"spin": [1.0]},
             ),
             "stable: the starts of the mixture turn about different axes; give axis=...",
         ),
-        (lambda: of(3), TypeError, "start = 3: must be a rigid.Start, or a mixture"),
     ]
 )

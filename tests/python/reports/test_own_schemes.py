@@ -165,10 +165,6 @@ test_what_is_refused = refuses(
             "methods[0] = 'rk4': is a method of the library",
         ),
         (
-            lambda: asked(rigid.scheme("a", heun), rigid.scheme("a", heun)),
-            "methods[1] = 'a': is there already",
-        ),
-        (
             lambda: asked(rigid.scheme("a", lambda *_: None)),
             TypeError,
             "a: must return rates and attitudes of shapes (1, 3) and (1, 4), got None",

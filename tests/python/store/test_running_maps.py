@@ -313,11 +313,6 @@ def test_a_worker_of_another_version_is_refused(tmp_path: Path) -> None:
     assert Folder(tmp_path / "run").table.known.sum() == 5
 
 
-def test_an_executor_needs_submit() -> None:
-    with pytest.raises(TypeError, match="executor = 3: must have the method submit"):
-        rigid.stability_map(**request(executor=3))
-
-
 def test_killed_runs_go_on_to_the_same_bytes(tmp_path: Path) -> None:
     """Each process is killed at a random moment; the long test does it a hundred times."""
     path, random = tmp_path / "run", np.random.default_rng(1)
