@@ -146,11 +146,11 @@ test_samples_that_do_not_fit = refuses(
             ),
             "the start has given samples, which have no size",
         ),
+        (
+            lambda: rigid.samples([[1.0, 0.0, 0.0]], in_order=1),
+            TypeError,
+            "in_order = 1: must be True or False",
+        ),  # type: ignore[arg-type]
     ],
     literal=True,
 )
-
-
-def test_whether_in_order_is_yes_or_no() -> None:
-    with pytest.raises(TypeError, match="in_order = 1: must be True or False"):
-        rigid.samples([[1.0, 0.0, 0.0]], in_order=1)  # type: ignore[arg-type]

@@ -245,6 +245,8 @@ test_criteria = refuses(
             "no_flip() cannot tell the axis: omega (1.0, -1.0, 0.5) has no single largest "
             "component; say no_flip(axis=...)",
         ),
+        (lambda: small_map(t_ende=3.0), TypeError, "t_ende"),
+        (lambda: rigid.stability_map(FREE, {"I1": [1.0]}), TypeError, "positional"),  # type: ignore[call-arg]
     ],
     literal=True,
 )
@@ -367,13 +369,6 @@ test_requests = refuses(
     literal=True,
     by=lambda options: small_map(**options),
 )
-
-
-def test_unknown_options_are_no_options() -> None:
-    with pytest.raises(TypeError, match="t_ende"):
-        small_map(t_ende=3.0)
-    with pytest.raises(TypeError, match="positional"):
-        rigid.stability_map(FREE, {"I1": [1.0]})  # type: ignore[call-arg]
 
 
 def test_the_variable_for_threads(monkeypatch: pytest.MonkeyPatch) -> None:
