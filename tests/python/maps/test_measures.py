@@ -12,7 +12,6 @@ import pytest
 import rigid
 from map_kinds import EVERY_MEASURE
 from rigid import _core
-from rigid.maps.job import to_core
 from rigid.maps.measured import Measured
 from rigid.model.measures import Measure
 
@@ -35,10 +34,8 @@ def measured(**options: Any) -> rigid.StabilityMap:
 
 def each_body(result: rigid.StabilityMap) -> np.ndarray[Any, np.dtype[np.float64]]:
     """The value of each measure of each body, (measures, pixels, samples)."""
-    samples = result.spec.samples
-    every = np.arange(result.stable.size * samples, dtype=np.uint64)
-    values = to_core(result.spec).outcomes(every, 2)["measures"]
-    return values.T.reshape(len(EVERY_MEASURE), -1, samples)
+    measures = result.outcomes(range(result.spec.samples)).measures
+    return np.array([*measures.values()])
 
 
 def test_numbers_are_those_of_all_bodies() -> None:
@@ -77,9 +74,7 @@ def test_numbers_are_those_of_all_bodies() -> None:
 def test_percentiles_of_a_hundred_bodies_are_their_values_in_order() -> None:
     """In doubles 0.07, 0.14, 0.28, 0.55 times 100 are a little more than whole numbers."""
     result = measured(samples=100, measure=rigid.mean_rate(1), axes={"spin": [2.0]})
-    values = np.sort(
-        to_core(result.spec).outcomes(np.arange(100, dtype=np.uint64), 1)["measures"].T
-    )
+    values = np.sort(each_body(result)[0])
     of_hundred = result.measures["mean_rate"].quantile(np.arange(1, 101) / 100)
     # A bin is narrower than 1/64 of its values.
     np.testing.assert_allclose(of_hundred[:, 0], values[0], rtol=1 / 64)
@@ -200,38 +195,6 @@ def test_times_of_joined_criteria_are_compared() -> None:
     assert np.count_nonzero(np.abs(alone - truths) > 1e-3 * truths) > 0
 
 
-@pytest.mark.parametrize(("axis", "values"), [("t_end", [3.0, 8.0, 1.0e-3]), ("limit", [0.3, 0.6])])
-def test_each_horizon_and_each_limit_has_the_values_of_its_own_map(
-    axis: str, values: list[float]
-) -> None:
-    # Another axis between those of the bodies: pixels of one horizon do not follow each other.
-    axes = {"spin": [2.0, 3.0], axis: sorted(values), "tilt": [0.1, 0.2, 0.3]}
-    every = measured(axes=axes, samples=70)
-    for place, value in enumerate(sorted(values)):
-        own = {"t_end": value} if axis == "t_end" else {"stable": rigid.tilt_below(value)}
-        single = measured(axes={"spin": [2.0, 3.0], "tilt": [0.1, 0.2, 0.3]}, samples=70, **own)
-        for name in every.measures:
-            one, other = every.measures[name], single.measures[name]
-            for number in ("count", "mean", "std", "least", "largest"):
-                found = getattr(one, number)[:, place]
-                np.testing.assert_array_equal(found, getattr(other, number), err_msg=name)
-            np.testing.assert_array_equal(one.quantile(0.3)[:, place], other.quantile(0.3))
-    assert every.replay((2, 1, 0), 7, t=[0.0]).measures == pytest.approx(
-        {name: values[2, 1, 0] for name, values in every.outcomes(7).measures.items()},
-        nan_ok=True,
-        rel=0,
-        abs=0,
-    )
-
-
-def test_values_of_bodies_in_bulk_are_those_of_the_map() -> None:
-    result = measured(samples=40)
-    values = result.outcomes(range(40)).measures
-    np.testing.assert_array_equal(np.array([*values.values()]), each_body(result))
-    alone = result.outcomes([5, 5, 2], pixel=1).measures["flips(2)"]
-    np.testing.assert_array_equal(alone, values["flips(2)"][1, [5, 5, 2]])
-
-
 def test_the_smallest_numbers_keep_their_order() -> None:
     """Those below 2^-1022 share a bin with zero."""
     statistics = _core.MapStatistics(1, 1)
@@ -239,21 +202,6 @@ def test_the_smallest_numbers_keep_their_order() -> None:
     (bins,) = statistics.bins()
     found = Measured(rigid.flips(), bins, (1,))
     assert (found.least[0], found.largest[0]) == (5e-324, 1e-323)
-
-
-def test_parts_are_merged_in_any_order() -> None:
-    spec = measured(samples=40).spec
-    job = to_core(spec)
-    parts = [job.run(first, min(first + 17, 120), 1) for first in range(0, 120, 17)]
-    bins = []
-    for order in (parts, parts[::-1]):
-        statistics = _core.MapStatistics(3, len(EVERY_MEASURE))
-        for part in order:
-            assert part is not None
-            statistics.merge(part)
-        bins.append(statistics.bins())
-    for one, other in zip(*bins, strict=True):
-        np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize(

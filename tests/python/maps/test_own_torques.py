@@ -313,17 +313,6 @@ def test_a_stored_map_goes_on_with_its_scene_and_not_without(tmp_path: Path) -> 
     rigid.open_store(tmp_path / "run", scene=one_scene()).resume()
 
 
-def test_a_store_notices_another_function(tmp_path: Path) -> None:
-    @SIGNATURE  # type: ignore[untyped-decorator]
-    def another(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
-        for k in range(3):
-            torque[k] = -2.0 * data[0] * omega[k]
-
-    rigid.stability_map(one_scene(), **OF_ONE, store=tmp_path / "run", part="1/2")
-    with pytest.raises(ValueError):
-        rigid.stability_map(one_scene(function=another), **OF_ONE, store=tmp_path / "run")
-
-
 def test_other_processes_cannot_call_the_function() -> None:
     asked = {**OF_ONE, "threads": None}
     refused = pytest.raises(ValueError, match="which other processes cannot call")
