@@ -279,7 +279,7 @@ def test_killed_runs_go_on_to_the_same_bytes(tmp_path: Path) -> None:
     path, random = tmp_path / "run", np.random.default_rng(1)
     go_on(tmp_path / "quiet")
     kills = 0
-    for _ in range(4):
+    for _ in range(2):
         process: Any = subprocess.Popen(
             python_command("-c", SLOW, str(path)), env=environment(), stdout=subprocess.PIPE
         )
