@@ -208,8 +208,8 @@ OF_PARTS = "must be k/n with 1 <= k <= n <= 2147483648"
             "rigid: --samples, --half-width: give one of the two",
         ),
         ("map small.toml --out no/where/b", "--out: there is no directory 'no/where'"),
-        ("map small.toml --out .", "--out"),
-        ("map small.toml --out /", "--out"),
+        ("map small.toml --out .", "--out: '.' names a directory, not a file"),
+        ("map small.toml --out /", "--out: '/' names a directory, not a file"),
         ("map small.toml --what flips", "what = 'flips': must be one of 'share', 'cost', 'expon"),
         (
             "map small.toml --what 'mean of flips'",

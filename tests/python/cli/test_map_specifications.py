@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 import rigid
+from map_texts import FREE, TABLES, map_text
 from refusals import refuses
 from rigid._checks.arguments import MESSAGE
 from rigid.cli.toml_map import parse_spec, read_spec
 from rigid.cli.toml_scene import KINDS
 from rigid.cli.toml_table import SpecError, keys
-from rigid.drawing.figure import new_figure
+from rigid.model.criterion import Criterion
 from rigid.store.call import run_map
 
 BOX = """
@@ -222,6 +223,39 @@ test_mistakes_about_measures = refuses(
     kind=SpecError,
     by=lambda measure: parse_spec(f"{BOX}measure = {measure}\n", "box.toml"),
 )
+
+
+@pytest.mark.parametrize(
+    ("stable", "criterion", "measure", "measures"),
+    [
+        (
+            'criterion = "pointing_within"\nangle = 1.5\neither = true',
+            rigid.pointing_within(1.5, 1, either=True),
+            '["libration_amplitude", { name = "obliquity", axis = 3 }]',
+            ["libration_amplitude(1)", "obliquity(3)"],
+        ),
+        (
+            'criterion = "yaw_within"\nangle = 1.5',
+            rigid.yaw_within(1.5, (1, 3)),
+            '["largest_roll", { name = "time_to_settle", limit = 0.2, of = "pitch" }]',
+            ["largest_roll", "time_to_settle(0.2, pitch)"],
+        ),
+    ],
+)
+def test_questions_in_the_frame_of_an_orbit(
+    stable: str, criterion: Criterion, measure: str, measures: list[str]
+) -> None:
+    """Axes that the file leaves out are those of the least and of the largest moment."""
+    text = map_text(
+        scene=f"{FREE}\norbit = {{ rate = 1.0, eccentricity = 0.1 }}",
+        x='name = "eccentricity"\nvalues = [0.0, 0.1]',
+        stable=stable,
+        run=f"{TABLES['run']}\nmeasure = {measure}",
+    )
+    spec = parse_spec(text, "x.toml")
+    assert spec.stable == criterion
+    assert [str(one) for one in spec.measure] == measures
+    assert rigid.MapSpec.from_json(spec.to_json()) == spec
 
 
 def test_a_spin_on_an_axis_need_not_be_said_again() -> None:
@@ -577,13 +611,3 @@ def test_built_in_maps_have_the_promised_size() -> None:
     assert math.prod(spec.shape) * spec.samples >= 10**6
     box: Any = spec.scene.body
     assert box.sides == (0.25, 0.08, 0.01)
-
-
-def test_built_in_maps_can_be_drawn(
-    built_in: tuple[str, rigid.StabilityMap], tmp_path: Path
-) -> None:
-    _, result = built_in
-    figure = new_figure()
-    result.plot(figure.add_subplot())
-    figure.savefig(tmp_path / "map.png")
-    assert (tmp_path / "map.png").stat().st_size > 20_000

@@ -237,10 +237,6 @@ def test_periods_of_an_asteroid_in_hours_and_a_damping_time_in_years() -> None:
             "mass = '3': must be a real number in kg, not a text; leave out the quotation marks",
         ),
         (
-            lambda: rigid.Body.box(1.0, 1.0, 1.0, mass="heavy"),
-            "mass = 'heavy': must be a real number in kg, not a text",
-        ),
-        (
             lambda: rigid.Body.box(1.0, 1.0, 1.0, mass="1.2.3"),
             "mass = '1.2.3': must be a real number in kg, not a text",
         ),
