@@ -328,11 +328,3 @@ test_bad_names_are_refused = refuses(
 def test_an_unknown_method_has_no_tangent_to_miss() -> None:
     with pytest.raises(ValueError, match=r"method = 'taylor15': did you mean 'taylor16'\? must"):
         rigid.simulate(made("top"), OMEGA, t=[1.0], tangent=True, method="taylor15")
-
-
-@pytest.mark.parametrize("method", ["splitting", "splitting8", "dmv10"])
-def test_methods_without_it_are_refused_by_name(method: str) -> None:
-    with pytest.raises(
-        ValueError, match=rf"method = '{method}': has no tangent.* 'rk4', .* have one"
-    ):
-        sensitivity(made("top"), OMEGA, "I1", t=[1.0], method=method)
