@@ -53,16 +53,6 @@ def test_bodies_take_the_entries_that_numpy_draws(weights: list[float] | None) -
     assert set(taken.ravel()) == set(np.flatnonzero(chances))
 
 
-def test_entries_are_taken_as_often_as_their_weights() -> None:
-    weights, count = np.array([1.0, 2.0, 0.0, 5.0]), 20_000
-    omega = np.eye(4, 3)
-    starts = tops(rigid.samples(omega, weights=weights), count).starts(range(count))
-    for entry, chance in zip(omega, weights / weights.sum(), strict=True):
-        share = (starts.omega[0] == entry).all(axis=1).mean()
-        # Binomial; 4.5 standard deviations are exceeded once in 150 000.
-        assert abs(share - chance) <= 4.5 * np.sqrt(chance * (1.0 - chance) / count)
-
-
 def test_samples_in_order_begin_again_after_the_last() -> None:
     omega, attitude = listed()
     starts = tops(rigid.samples(omega, attitude, in_order=True)).starts(range(50))

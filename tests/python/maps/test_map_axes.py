@@ -62,15 +62,6 @@ def test_a_map_over_horizons_is_the_maps_of_each(kind: str, place: str) -> None:
         assert_slice(whole, index, part)
 
 
-def test_a_longer_horizon_loses_more_bodies() -> None:
-    # The bodies of all horizons are the same, so in closed form none comes back.
-    ends = np.linspace(1.0, 60.0, 30)
-    result = small_map(method="exact", axes={"t_end": ends, "noise": [1e-3, 1e-2]}, samples=200)
-    assert (np.diff(result.stable, axis=1) <= 0).all()
-    assert (result.stable[:, 0] == 200).all()
-    assert (result.stable[:, -1] < 20).all()
-
-
 def test_a_map_may_have_no_axis_but_the_horizon() -> None:
     result = small_map(axes={"t_end": ENDS}, samples=30)
     assert result.share.shape == (3,)

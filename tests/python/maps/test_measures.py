@@ -82,33 +82,6 @@ def test_percentiles_of_a_hundred_bodies_are_their_values_in_order() -> None:
     assert (np.abs(values[0, rank] / values[0, rank - 1] - 1.0) > 2 / 64).any()
 
 
-def test_values_are_those_of_the_motion() -> None:
-    """Flips, tilt and mean rate from a fine trajectory."""
-    result = measured()
-    for pixel in range(3):
-        for sample in range(3):
-            body = result.replay(pixel, sample, t=[0.0])
-            t = np.linspace(0.0, 8.0, 40001)
-            scene = result.spec.grid.scene[pixel]
-            run: Any = rigid.simulate(
-                scene, body.omega, body.attitude, t=t, method="taylor20", step=0.01
-            )
-            # The first rate may be zero.
-            signs = np.sign(run.omega[1:, 1])
-            assert body.measures["flips(2)"] == np.count_nonzero(np.diff(signs))
-            tilt = np.arccos(np.clip(run.gamma[:, 2], -1.0, 1.0)).max()
-            assert body.measures["largest_tilt(3)"] == pytest.approx(tilt, abs=1e-6)
-            # Simpson's rule; its error is of fourth order in 2e-4.
-            weights = np.ones(t.size)
-            weights[1:-1:2], weights[2:-1:2] = 4.0, 2.0
-            for axis, sign in ((1, 1.0), (3, -1.0)):
-                mean = sign * weights @ run.omega[:, axis - 1] / weights.sum()
-                name = f"mean_rate({int(sign) * axis})"
-                assert body.measures[name] == pytest.approx(mean, abs=3e-6)
-            if body.outcome == "unstable":
-                assert body.measures["time_to_leave"] == body.left
-
-
 @pytest.mark.parametrize("method", ["rk4", "splitting4", "dop853"])
 def test_mean_rates_of_other_methods(method: str) -> None:
     """By the cubic through both ends of a step, in rates and in momenta."""
