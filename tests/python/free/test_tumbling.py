@@ -351,18 +351,12 @@ def test_toutatis_is_damped_later_than_its_age() -> None:
 
 test_what_does_not_relax_is_refused = refuses(
     [
-        ([0.0, 0.0, 1.0], [1.0], 0.1, ValueError, r"omega = \[0.0, 0.0, 1.0\].*does not nutate"),
-        ([0.0, 1.0, 0.0], [1.0], 0.1, ValueError, "does not nutate"),
-        ([0.1, 0.0, 1.0], [-1.0], 0.1, ValueError, r"t\[0\] = -1.0: must not be negative"),
-        ([0.1, 0.0, 1.0], [1.0], 0.0, ValueError, "drains nothing; give each axis a coefficient"),
-        (
-            [0.1, 0.0, 1.0],
-            [1.0],
-            [[0.1] * 3] * 2,
-            ValueError,
-            "the sink of one body; loop over bodies",
-        ),
-        ([[0.1, 0.0, 1.0]], [1.0], 0.1, ValueError, r"shape \(3,\), \(1, 3\): one body at a time"),
+        ([0.0, 0.0, 1.0], [1.0], 0.1, r"omega = \[0.0, 0.0, 1.0\].*does not nutate"),
+        ([0.0, 1.0, 0.0], [1.0], 0.1, "does not nutate"),
+        ([0.1, 0.0, 1.0], [-1.0], 0.1, r"t\[0\] = -1.0: must not be negative"),
+        ([0.1, 0.0, 1.0], [1.0], 0.0, "drains nothing; give each axis a coefficient"),
+        ([0.1, 0.0, 1.0], [1.0], [[0.1] * 3] * 2, "the sink of one body; loop over bodies"),
+        ([[0.1, 0.0, 1.0]], [1.0], 0.1, r"shape \(3,\), \(1, 3\): one body at a time"),
     ],
     by=lambda omega, t, sink: free.relaxation((1.0, 2.0, 2.5), omega, t, rigid.EnergySink(sink)),
 )

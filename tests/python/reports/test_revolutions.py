@@ -352,10 +352,7 @@ def test_an_interruption_before_the_first_run_leaves_nothing() -> None:
 
 test_mistakes_name_argument_value_and_rule = refuses(
     [
-        (
-            {"omega": (0.0, 0.0, 0.0)},
-            r"omega = \[0.0, 0.0, 0.0\]: must not be zero; a long",
-        ),
+        ({"omega": (0.0, 0.0, 0.0)}, r"omega = \[0.0, 0.0, 0.0\]: must not be zero; a long"),
         ({"revolutions": []}, "revolutions: expected shape .* with at least one number"),
         ({"revolutions": 10.0}, "revolutions: expected shape"),
         (
@@ -364,13 +361,11 @@ test_mistakes_name_argument_value_and_rule = refuses(
         ),
         ({"revolutions": [0]}, r"revolutions\[0\] = 0.0: must be above 0"),
         ({"revolutions": [1e10]}, r"revolutions\[0\] = 10000000000.0: must be above 0 and at most"),
-        ({"methods": ["rk5"]}, r"methods\[0\] = 'rk5'.*did you mean 'rk4'"),
         ({"methods": ["exact"]}, r"methods = \['exact'\]: none .*: exact: makes no steps"),
         (
             {"scene": LAGRANGE, "methods": ["dmv2"]},
             "none integrates the scene: dmv2: .*free bodies",
         ),
-        ({"seconds": 0.0}, "seconds = 0.0: must be positive"),
     ],
     by=lambda change: rigid.report(
         **{"scene": BODY, "omega": OMEGA, "revolutions": [10], "seconds": 0.1, **change}
