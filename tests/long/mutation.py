@@ -334,7 +334,8 @@ def fails_in_python(*tests: str) -> str | None:
 @cache
 def require_passing(test: str) -> None:
     """Stop if a test that has killed a mutant fails without one."""
-    if test != ENDLESS and fails_in_python(test):
+    # All its cases: the name of one may have characters by which pytest does not find it.
+    if test != ENDLESS and fails_in_python(test.partition("[")[0]):
         raise SystemExit(f"{test}: fails without a mutant")
 
 
