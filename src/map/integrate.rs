@@ -222,7 +222,7 @@ impl<'a> MapJob<'a> {
             Some(on_orbit) => on_orbit.rate * times as f64,
             None => body.fastest_rate(forces, [0.0, map.t_end]),
         };
-        let entry = Entry::unobserved(body, None, step).under(forces, place);
+        let entry = Entry::unobserved(body, forces, (0.0, place), None, step);
         let forces = interval.as_ref().map(|interval| (interval, rate()));
         let entry = Entry { forces, axis: map.axis, deviation, ..entry };
         load(&mut self.group, lane, self.compiled, assignment, &entry);

@@ -69,7 +69,7 @@ impl<'a> AdaptiveLanes<'a> {
         let direction = if backward { -1.0 } else { 1.0 };
         let deviation = Deviation::new(self.request.record.deviation_of(index));
         let forced_rate = (!forces.is_none()).then_some(rate);
-        let entry = Entry::unobserved(body, forced_rate, direction * first).under(forces, None);
+        let entry = Entry::unobserved(body, forces, (0.0, None), forced_rate, direction * first);
         let entry = Entry { deviation, ..entry };
         load(&mut self.group, lane, self.kernel, assignment, &entry);
         self.steps.direction.0[lane] = direction;

@@ -138,7 +138,7 @@ impl Job for FixedJob<'_, '_> {
         self.last[lane] = body.attitude;
         let deviation = Deviation::new(legs.request.record.deviation_of(index));
         let forces = legs.request.forces_of(index);
-        let entry = Entry::unobserved(body, legs.forced_rate(lane), 0.0).under(forces, legs.place(lane));
+        let entry = Entry::unobserved(body, forces, (0.0, legs.place(lane)), legs.forced_rate(lane), 0.0);
         let entry = Entry { deviation, ..entry };
         let assignment = legs.integration(lane).assignment;
         load(legs.lanes, lane, legs.compiled, assignment, &entry);

@@ -3,7 +3,7 @@
 use super::kinds_in;
 use crate::body::Body;
 use crate::error::Error;
-use crate::forces::{ForceSet, Forces, TorqueFunction};
+use crate::forces::{BodyForces, ForceSet, Forces, TorqueFunction};
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Kernel, MAX_STATE};
 use crate::kernel::{KernelAssignment, Needs, System, load, reset_time, unload};
 use crate::kinematics::length;
@@ -341,21 +341,20 @@ impl Motion {
                 constant: memory::reserved(BODIES, count)?,
                 longest: 0.0,
             };
-            for (lane, (&member, body)) in members.iter().zip(&group.bodies).enumerate() {
+            for (lane, &member) in members.iter().enumerate() {
                 places[member] = [groups.len(), lane];
                 let acting = self.forces.of(member);
-                let own = acting.further.start(self.time);
-                let entry = Entry { own, ..Entry::unobserved(body, forces.act.then_some(0.0), 0.0) };
-                load(&mut group.lanes, lane, group.compiled, group.assignments[lane], &entry);
+                group.load(lane, acting, self.time);
                 if !forces.act {
                     continue;
                 }
-                acting.damping.check_rates(body.moments)?;
-                let [.., rate] = acting.damping.rates(body.moments);
+                let moments = group.bodies[lane].moments;
+                acting.damping.check_rates(moments)?;
+                let [.., rate] = acting.damping.rates(moments);
                 damping_rate = damping_rate.max(rate);
                 // A function is told the time.
                 if !acting.table.has_knots() && !forces.function {
-                    let interval = acting.interval(0.0, false, body.moments);
+                    let interval = acting.interval(0.0, false, moments);
                     rows.set(lane, &interval);
                     group.constant.push(interval.body[0]);
                 }
@@ -372,6 +371,12 @@ impl Motion {
 impl MovingGroup {
     fn is_forced(&self) -> bool {
         self.compiled.kernel().system.is_forced()
+    }
+
+    /// Loads the body of a lane, as it is at a time. The drifts of bodies in motion are not looked at.
+    fn load(&mut self, lane: usize, forces: BodyForces, time: f64) {
+        let entry = Entry::unobserved(&self.bodies[lane], forces, (time, None), None, 0.0);
+        load(&mut self.lanes, lane, self.compiled, self.assignments[lane], &entry);
     }
 
     /// Makes one step from a time, or several with the knots of a table between them.
