@@ -354,7 +354,7 @@ impl Motion {
                 damping_rate = damping_rate.max(rate);
                 // A function is told the time.
                 if !acting.table.has_knots() && !forces.function {
-                    let interval = acting.interval(0.0, false, moments);
+                    let interval = acting.interval(0.0, false, acting.damping.modes(moments));
                     rows.set(lane, &interval);
                     group.constant.push(interval.body[0]);
                 }
@@ -455,7 +455,8 @@ impl MovingGroup {
             let mut torque = match self.constant.get(lane) {
                 Some(torque) => *torque,
                 None => {
-                    let interval = forces.of(member).interval(time, backward, body.moments);
+                    let forces = forces.of(member);
+                    let interval = forces.interval(time, backward, forces.damping.modes(body.moments));
                     rows.set(lane, &interval);
                     rows.functions.set(lane, function.map(|function| function.of(member).from(time)));
                     interval.body[0]
