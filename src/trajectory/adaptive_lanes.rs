@@ -100,9 +100,9 @@ impl<'a> AdaptiveLanes<'a> {
         self.steps.end.0[lane] = self.knots[lane];
     }
 
-    /// Advances all lanes until one reaches its next time, in so many rounds at most; returns the number of rounds.
-    pub(super) fn advance(&mut self, most: usize) -> usize {
-        self.kernel.advance_adaptive(&mut self.group, &self.forces_rows, &mut self.steps, most)
+    /// Advances all lanes until one reaches its next time, in so many rounds at most.
+    pub(super) fn advance(&mut self, most: usize) {
+        self.kernel.advance_adaptive(&mut self.group, &self.forces_rows, &mut self.steps, most);
     }
 
     /// The steps that a lane has made since the last call.
