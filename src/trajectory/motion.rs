@@ -60,6 +60,9 @@ struct MovingGroup {
 /// The torque of a step in body axes: none, one for all bodies, or one for each.
 pub type Torques<'a> = &'a [[f64; 3]];
 
+/// Rates and attitudes of all bodies.
+pub type Starts<'a> = (&'a [[f64; 3]], &'a [[f64; 4]]);
+
 /// What the bodies are called if they do not fit into memory.
 const BODIES: &str = "bodies in motion";
 
@@ -158,21 +161,26 @@ impl Motion {
         every.zip(numbers).for_each(|(to, number)| *to = *number);
     }
 
-    /// Begins the motion again with other rates and attitudes of the bodies. A body that is kept goes on with all its bits.
+    /// Begins the motion again with other rates and attitudes of the bodies. A body whose numbers are the same before goes on
+    /// with all its bits.
     ///
     /// # Errors
-    /// If there are not as many bodies, or they do not fit into memory. The bodies are then as before.
-    pub fn begin(&mut self, bodies: &[Body], kept: &[bool]) -> Result<(), Error> {
-        for got in [bodies.len(), kept.len()] {
+    /// If there are not as many bodies. They are then as before.
+    pub fn begin(&mut self, (omega, attitude): Starts, before: Starts) -> Result<(), Error> {
+        for got in [omega.len(), attitude.len(), before.0.len(), before.1.len()] {
             if got != self.len() {
                 let (expected, got) = (self.len().to_string(), got.to_string());
                 return Err(Error::Shape { argument: "bodies", expected, got });
             }
         }
-        let (before, _) = self.numbers()?;
-        self.load(bodies)?;
-        for (body, numbers) in before.iter().enumerate().filter(|&(body, _)| kept[body]) {
-            self.set_numbers(body, numbers);
+        for body in 0..self.len() {
+            if omega[body] == before.0[body] && attitude[body] == before.1[body] {
+                continue;
+            }
+            let [group, lane] = self.places[body];
+            let group = &mut self.groups[group];
+            (group.bodies[lane].omega, group.bodies[lane].attitude) = (omega[body], attitude[body]);
+            group.load(lane, self.forces.of(body), self.time);
         }
         Ok(())
     }
@@ -292,12 +300,16 @@ impl Motion {
         }
         let bodies = memory::collected(BODIES, self.len(), self.bodies().copied())?;
         let were_forced = memory::collected(BODIES, self.len(), self.places.iter().map(is_forced))?;
+        let (before, _) = self.numbers()?;
         self.is_pushed = true;
-        let begun = self.begin(&bodies, &were_forced);
-        if begun.is_err() {
+        if let Err(error) = self.load(&bodies) {
             self.is_pushed = false;
+            return Err(error);
         }
-        begun
+        for (body, numbers) in before.iter().enumerate().filter(|&(body, _)| were_forced[body]) {
+            self.set_numbers(body, numbers);
+        }
+        Ok(())
     }
 
     /// What acts on a body. An orbit is never alone: a torque may come.
