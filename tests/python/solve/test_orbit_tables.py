@@ -301,6 +301,15 @@ def test_a_table_comes_back_from_files(tmp_path: Any) -> None:
 
 
 TABLE = table_of(HYPERBOLA, (0.0, 8.0), 17)
+
+
+@pytest.mark.parametrize("name", ["rate", "normal", "period", "numbers", "no_such_name"])
+def test_a_table_has_no_attributes_of_ellipses(name: str) -> None:
+    assert hasattr(TABLE, "gm")
+    assert not hasattr(TABLE, name)
+    assert getattr(TABLE, name, None) is None
+
+
 CIRCLE = np.stack([np.cos(np.arange(9.0)), np.sin(np.arange(9.0)), np.zeros(9)], axis=1)
 """Positions of a circle, 57 degrees apart."""
 
