@@ -310,7 +310,7 @@ def starts_of(
 ) -> tuple[Floats, Floats, Shape]:
     """Checked rates and unit quaternions of the principal axes, and the axes of the bodies.
 
-    The arguments are those of :func:`bodies_of`, with the same errors but those of ranges.
+    It takes the arguments of :func:`bodies_of`, and refuses the same but for ranges of rates.
     """
     rates = _core.plain_numbers(omega, 3, kept=True)
     if rates is None:

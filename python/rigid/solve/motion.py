@@ -151,10 +151,11 @@ class Motion:
         >>> motion.omega[1].tolist()
         [0.0, 0.0, 0.0]
         """
-        omega = self._core.omega()
+        every = self._core.omega()
         if self._frame is not None:
-            omega = turned(self._frame, omega)
-        return self._bodies.in_axes(omega)
+            every = turned(self._frame, every)
+        omega: Floats = self._bodies.in_axes(every)
+        return omega
 
     @omega.setter
     def omega(self, omega: ArrayLike) -> None:
@@ -174,10 +175,11 @@ class Motion:
         >>> motion.attitude.tolist()
         [1.0, 0.0, 0.0, 0.0]
         """
-        attitude = self._core.attitude()
+        every = self._core.attitude()
         if self._frame is not None:
-            attitude = attitudes_in_frame(self._frame, attitude)
-        return self._bodies.in_axes(attitude)
+            every = attitudes_in_frame(self._frame, every)
+        attitude: Floats = self._bodies.in_axes(every)
+        return attitude
 
     @attitude.setter
     def attitude(self, attitude: AttitudeLike) -> None:
@@ -187,7 +189,7 @@ class Motion:
     def _begin(
         self, name: str, now: tuple[Floats, Floats], given: tuple[ArrayLike, AttitudeLike]
     ) -> None:
-        """Begin again from here with other rates or attitudes, where they are not those of now."""
+        """Begin again from here with given rates and attitudes, where these are others than now."""
         starts = partial(starts_of, self.scene, frame=self._frame, rod=True)
         rates, quaternions, shape = starts(*given)
         if shape != self._bodies.shape:
