@@ -341,6 +341,14 @@ impl Forces {
         Ok(forces)
     }
 
+    /// The same with a trajectory that is another by its doubt: for a second run whose rounding does not matter.
+    ///
+    /// # Errors
+    /// As `of_some`.
+    pub fn doubted(&self) -> Result<Forces, Error> {
+        Ok(Forces { doubt: self.doubt + 1.0, ..self.copied()? })
+    }
+
     /// The forces on neighbouring bodies; `None` if all have the same.
     ///
     /// # Errors

@@ -247,8 +247,8 @@ class Orbit(ByValue):
 
         Between the times ``sqrt(3 gm/r³) o`` is a cubic spline, where ``r o`` is the position. The
         run that tells the errors of a motion takes another spline, which differs from it by a third
-        of its distance from the spline of every second sample: so the stated error contains the
-        error of the spline.
+        of its distance from the spline of every second sample: so the stated errors, of states, of
+        times of events and of growth, contain the error of the spline.
 
         Parameters
         ----------

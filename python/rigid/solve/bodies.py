@@ -133,6 +133,10 @@ class Bodies:
         chosen._rates.update({key: rates[bodies] for key, rates in self._rates.items()})
         return chosen
 
+    def doubted(self) -> Self:
+        """The bodies of a second run: the spline of :meth:`Orbit.table` is another by its doubt."""
+        return self if self.forces is None else replace(self, forces=self.forces.doubted())
+
     def kinds_of_forces(self) -> NDArray[np.uint64]:
         """Which forces act on each body, as bits in the order of the core; 0 if none does."""
         if self.forces is None:
