@@ -610,7 +610,7 @@ mod tests {
         let forces = Forces::new(&[], &torques, &none, &[strong]).unwrap();
         assert_eq!(forces.bodies(), 3);
         for (body, torque) in torques.into_iter().enumerate() {
-            let interval = forces.of(body).interval(0.0, false, strong.modes([1.0; 3]));
+            let interval = forces.of(body).interval(0.0, false, Damping(strong).modes([1.0; 3]));
             assert_eq!((interval.body[0], interval.damping), (torque, strong));
         }
         let some = forces.of_some(&[2, 0]).unwrap();
