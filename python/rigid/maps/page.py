@@ -22,7 +22,7 @@ from ..drawing import colours
 from ..model.criteria import Regular
 from ..model.forces import forces_in_words
 from ..model.mixture import Mixture
-from ..model.start import Samples
+from ..model.noise import Samples
 from .axes import Axis
 from .contours import zero_lines
 from .data import CLASSES, STATUS, MapData

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, shaped
+from .._checks.arrays import Floats
+from .batch import ByValue, Index, Shape, Vector, axes_of, taken, vector_of
 from .frame import turned
-from .leading import ByValue, Floats, Index, Shape, Vector, axes_of, taken, vector_of
 from .orbit import Orbit
 from .sampled import RotorTable, Sampled
 

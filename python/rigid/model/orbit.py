@@ -15,7 +15,7 @@ from .._checks.arrays import UNIT, AttitudeLike, Floats, attitudes, unit_vectors
 from ..rotations import matrix_to_quaternion
 from ..rotations.apply import to_body
 from ..rotations.quaternions import product_of_checked
-from .leading import ByValue, Shape, Vector, frozen, leading_shape, vector_of
+from .batch import ByValue, Shape, Vector, batch_shape, frozen, vector_of
 from .sampled import Sampled, reached, table_times
 
 MOST_ECCENTRIC = 0.95
@@ -173,7 +173,7 @@ class Orbit(ByValue):
         """The axes of the bodies: ``()`` of one orbit, ``(n,)`` of one for each of n bodies."""
         shapes = {name: np.shape(getattr(self, name)) for name in self.__slots__}
         axes = {name: shapes[name][:-1] for name in ("normal", "periapsis")}
-        return leading_shape({**shapes, **axes})
+        return batch_shape({**shapes, **axes})
 
     @property
     def gm(self) -> float | Floats:
@@ -404,7 +404,7 @@ class Orbit(ByValue):
         rates = vectors("omega", omega)
         relative, times = attitudes(attitude), shaped("t", t)
         leading = {"omega": rates.shape[:-1], "attitude": relative.shape[:-1], "t": times.shape}
-        shape = leading_shape({"orbit": self.shape, **leading})
+        shape = batch_shape({"orbit": self.shape, **leading})
         frame, turning = self._turning(np.broadcast_to(times, shape)[..., np.newaxis])
         turned = product_of_checked(matrix_to_quaternion(frame[..., 0, :, :]), relative)
         return rates + to_body(relative, turning[..., 0, :]), turned

@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
+from .._checks.arrays import Floats
 from .._moments import box_moments
 from .body import Body
 from .forces import FORCES, EnergySink
+from .noise import Noise
 from .orbit import HYPERBOLA, MOST_ECCENTRIC, Orbit
 from .sampled import Sampled
 from .scene import HeavyTop, Scene
-from .start import Noise, Start, cos_sin
+from .start import Start, cos_sin
 from .torque import Torque
-
-Floats = NDArray[np.float64]
 
 OF_RUN = "run"
 """The place of numbers of the whole request, such as the horizon, which no body has."""

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import shaped, sorted_times
+from .._checks.arrays import Floats
+from .batch import Index, Shape, frozen, taken
 from .frame import turned
-from .leading import Floats, Index, Shape, frozen, taken
 
 
 class Sampled:

@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arrays import IDENTITY, AttitudeLike, Floats, attitudes, unit_quaternions, vectors
 from .._moments import hold_rods, without_spin
+from ..model.batch import Shape, batch_shape
 from ..model.body import rates_of_rods, refuse_rods
 from ..model.frame import attitudes_in_principal_axes, turned
-from ..model.leading import Shape, leading_shape
 from ..model.scene import Scene
 from ..model.torque import NO_EXPONENT, forces_of
 from .arrays import Range, in_rows, rows_of_each
@@ -335,7 +335,7 @@ def starts_of(
     shape = scene.shape
     if shape or times or rates.ndim > 1 or attitude.ndim > 1:
         own = rates.shape[:-1], attitude.shape[:-1]
-        shape = leading_shape({"scene": shape, "omega": own[0], "attitude": own[1], "t": times})
+        shape = batch_shape({"scene": shape, "omega": own[0], "attitude": own[1], "t": times})
     if scene.once(holds_rods):
         moments = np.asarray(scene.body.moments)
         if not rod:

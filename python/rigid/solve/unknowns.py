@@ -11,12 +11,13 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief
 from .._checks.arrays import Floats
+from ..model.forces import FORCES
 from ..model.orbit import HYPERBOLA, MOST_ECCENTRIC
 from ..model.parameters import AT_REST, PARAMETERS, numbers_of, scene_of
 from ..model.scene import Scene
 from ..rotations.so3 import exp_so3, over, rodrigues
-from .parameters import checked_names, differentiable, why_not
 from .simulate import simulate
+from .tangent import checked_names, differentiable, why_not
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -38,6 +39,12 @@ _EDGE = 1e-9
 
 _MOST_STEPS = 10**9
 """Most steps of a run of the first guess, as in :func:`simulate`."""
+
+_NOTHING = 1e-30
+"""Share of its size that a coefficient keeps at its bound of zero.
+
+A force without coefficients would not act, and the motion would have no derivative by it.
+"""
 
 _FASTER = 10.0
 """How many times as fast as the fastest measured rates a start may turn.
@@ -146,6 +153,9 @@ class Unknowns:
                     sizes[k] = share * unit * mean**power
                     if name == "mgl":
                         sizes[k] = first[k] or sizes[k]
+                    if row.place in FORCES and row.lowest == 0.0:
+                        low[k] = _NOTHING * sizes[k]
+                        first[k] = max(first[k], low[k])
         place = {j: self.numbers.index(MOMENTS[j]) for j in self._moving}
         squares = 0.5 * i.sum() - i  # the integrals of x², y², z² over the mass
         edge = _EDGE * unit
@@ -291,7 +301,7 @@ class Unknowns:
         for k, name in enumerate(self.numbers):
             if near[k] and name not in (*MOMENTS, *START):
                 end = low[k] if below[k] else high[k]
-                value = "zero" if end == 0.0 else f"{end:g}"
+                value = "zero" if abs(end) <= _NOTHING * self.sizes[k] else f"{end:g}"
                 which = "least" if below[k] else "most"
                 words.append(f"{name} is {value}, the {which} that it can be")
         if any(near[k] for k, name in enumerate(self.numbers) if name in MOMENTS):

@@ -375,7 +375,6 @@ test_what_a_table_cannot = refuses(
             lambda: rigid.simulate(on(TABLE), OMEGA, t=[9.0]),
             "t = 9: the table of the orbit does not reach this time",
         ),
-        (lambda: rigid.simulate(on(TABLE), OMEGA, t=[1.0], tangent="rate"), "rate"),
         (lambda: TABLE.period, "OrbitTable.* has no rate"),
         (
             lambda: rigid.simulate(on(TABLE), OMEGA, t=[1.0], events=[rigid.crosses("roll", 0.1)]),
@@ -386,9 +385,5 @@ test_what_a_table_cannot = refuses(
         (lambda: small_map(stable=rigid.regular()), "not integrated under a table over time"),
         (lambda: small_map(t_end=9.0), "t = 9: the table of the orbit does not reach this time"),
         (lambda: small_map(time_unit="orbit"), "has no rate"),
-        (
-            lambda: rigid.simulate(on(TABLE), OMEGA, t=[1.0], method="splitting"),
-            "method = 'splitting': does not integrate",
-        ),
     ]
 )
