@@ -5,7 +5,7 @@ use super::{
     AtStart, Damping, FEWEST_STEPS, Further, MOST_STATES, Rotor, Table, TorqueCall, TorqueCalls,
     TorqueFunction, Trajectory, part,
 };
-use crate::error::Error;
+use crate::error::{Error, refuse};
 use crate::memory;
 use crate::real::Real;
 use crate::special::exp;
@@ -310,8 +310,7 @@ impl Forces {
     /// If there is no such body, or they do not fit into memory.
     pub fn of_some(&self, bodies: &[usize]) -> Result<Forces, Error> {
         if let Some(bad) = bodies.iter().find(|&&body| self.bodies() > 1 && body >= self.bodies()) {
-            let rule = "there is no such body";
-            return Err(Error::Value { argument: "body", value: bad.to_string(), rule });
+            return refuse("body", bad, "there is no such body");
         }
         Ok(Forces {
             torques: self.torques.of_some(TABLE, bodies)?,

@@ -1,6 +1,7 @@
 //! A torque that a function of the user returns, known by its address.
 
-use crate::error::Error;
+use super::body_rows::BodyRows;
+use crate::error::{Error, refuse};
 use crate::kinematics::{attitude_of_rows, dot, squared_length};
 use crate::memory;
 use crate::real::Real;
@@ -111,11 +112,8 @@ impl TorqueFunction {
         fastest: f64,
     ) -> Result<TorqueFunction, Error> {
         if code.address == 0 {
-            let (value, rule) = (
-                "a function".to_string(),
-                "its address is not known here, because no file has it; give the scene again",
-            );
-            return Err(Error::Value { argument: "torque", value, rule });
+            let rule = "its address is not known here, because no file has it; give the scene again";
+            return refuse("torque", "a function", rule);
         }
         let made = TorqueFunction { code, data, width, units, fastest, starts: Vec::new(), states: 0 };
         let (rows, bodies) = (made.rows(), made.bodies());

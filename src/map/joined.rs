@@ -51,7 +51,7 @@ impl Logic {
     /// # Errors
     /// If the text is no logic of that many conditions, each of which occurs.
     pub fn parse(text: &str, conditions: usize) -> Result<Logic, Error> {
-        let refuse = |rule| Err(Error::Value { argument: "logic", value: format!("'{text}'"), rule });
+        let refuse = |rule| refuse("logic", format_args!("'{text}'"), rule);
         if !(1..=MOST_CONDITIONS).contains(&conditions) {
             return refuse("must join 1 to 16 conditions");
         }

@@ -112,11 +112,8 @@ impl Measure {
         let (quantity, observed) = if let Some((criterion, quantity)) = of_criterion {
             let criterion = Criterion::parse(criterion, numbers)?;
             if criterion.bound().is_none_or(|bound| Tilt::of(bound).is_some()) {
-                let (value, rule) = (
-                    name.to_string(),
-                    "must be of a rate, an angle of the orbit, or a distance from the start",
-                );
-                return Err(Error::Value { argument: "measure", value, rule });
+                let rule = "must be of a rate, an angle of the orbit, or a distance from the start";
+                return refuse("measure", name, rule);
             }
             (quantity, Some(criterion))
         } else if let Some((_, quantity)) = NAMES.into_iter().find(|(known, _)| *known == name) {
@@ -128,8 +125,7 @@ impl Measure {
         let measure = Measure { quantity, axis, observed };
         let least = u32::from(observed.is_some_and(Criterion::has_axis));
         if !(least..=3).contains(&axis.unsigned_abs()) {
-            let rule = "must be 1, 2, 3 or -1, -2, -3";
-            return Err(Error::Value { argument: "axis", value: axis.to_string(), rule });
+            return refuse("axis", axis, "must be 1, 2, 3 or -1, -2, -3");
         }
         Ok(measure)
     }

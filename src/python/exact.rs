@@ -47,8 +47,7 @@ pub fn closed_forms_for<'py>(
     axis: Option<usize>,
 ) -> PyResult<Bound<'py, PyArray1<u8>>> {
     let index = |axis: usize| {
-        let rule = "must be 1, 2 or 3";
-        let wrong = || Error::Value { argument: "axis", value: axis.to_string(), rule };
+        let wrong = || Error::value("axis", axis, "must be 1, 2 or 3");
         (1..=3).contains(&axis).then(|| axis - 1).ok_or_else(wrong)
     };
     let axis = axis.map(index).transpose()?;
@@ -58,8 +57,7 @@ pub fn closed_forms_for<'py>(
         ("no_flip", axis) => Question::NoFlip(axis),
         ("tilt_from_vertical", Some(axis)) => Question::TiltFromVertical(axis),
         ("tilt_from_vertical", None) => {
-            let rule = "the tilt of an axis needs the axis";
-            return Err(Error::Value { argument: "axis", value: "None".into(), rule }.into());
+            return Err(Error::value("axis", "None", "the tilt of an axis needs the axis").into());
         }
         _ => {
             let known = "states, no_flip, tilt_from_vertical, regular".into();
@@ -144,8 +142,8 @@ pub fn flip_times<'py>(
     count: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     if !axis.is_none_or(|axis| (1..=3).contains(&axis)) {
-        let (value, rule) = (axis.map_or_else(String::new, |axis| axis.to_string()), "must be 1, 2 or 3");
-        return Err(Error::Value { argument: "axis", value, rule }.into());
+        let rule = "must be 1, 2 or 3";
+        return Err(Error::value("axis", axis.map_or_else(String::new, |axis| axis.to_string()), rule).into());
     }
     let isa = Isa::current()?;
     let bodies = bodies.all()?;
@@ -159,8 +157,7 @@ pub fn flip_times<'py>(
         let axis = match axis {
             Some(axis) => axis - 1,
             None => largest(body.omega).ok_or_else(|| {
-                let rule = "has no single largest component";
-                Error::Value { argument: "omega", value: format!("{:?}", body.omega), rule }
+                Error::value("omega", format_args!("{:?}", body.omega), "has no single largest component")
             })?,
         };
         ClosedForm::answering(Question::NoFlip(Some(axis)), body.moments, body.weight)

@@ -129,8 +129,7 @@ impl PyForces {
                 ("rotor", Some(rows)) => forces = forces.with_rotors(&times, &vectors("rotor", &rows)?)?,
                 ("orbit", Some(rows)) => forces = forces.on_trajectory(&times, &vectors("orbit", &rows)?)?,
                 _ => {
-                    let rule = "has no table over time";
-                    return Err(Error::Value { argument: "forces", value: name.clone(), rule }.into());
+                    return Err(Error::value("forces", name.clone(), "has no table over time").into());
                 }
             }
         }

@@ -101,7 +101,7 @@ fn finite(time: f64) -> f64 {
 
 /// A number that counts.
 fn count(argument: &'static str, value: i64) -> Result<u64, Error> {
-    let wrong = |_| Error::Value { argument, value: value.to_string(), rule: "must not be negative" };
+    let wrong = |_| Error::value(argument, value, "must not be negative");
     u64::try_from(value).map_err(wrong)
 }
 
@@ -221,7 +221,7 @@ impl MapStatistics {
             let rule = "must be pixels of the map";
             let value = || format!("{what} {number} of {count}");
             let inside = usize::try_from(number).ok().filter(|&index| index < count);
-            inside.ok_or_else(|| Error::Value { argument: "part", value: value(), rule })
+            inside.ok_or_else(|| Error::value("part", format_args!("{what} {number} of {count}"), rule))
         };
         let mut of_rows = memory::reserved(PIXELS, columns.len())?;
         for &place in places.as_array() {
@@ -263,11 +263,9 @@ impl MapStatistics {
         for ((&pixel, &number), &error) in pixels.iter().zip(values).zip(errors) {
             let at = usize::try_from(pixel).ok().and_then(|pixel| pixel.checked_mul(self.measures));
             let place = at.filter(|_| measure < self.measures).and_then(|at| sketches.get_mut(at + measure));
-            let place = place.ok_or_else(|| Error::Value {
-                argument: "pixels",
-                value: format!("{pixel} of measure {measure}"),
-                rule: "must be pixels and measures of the map",
-            })?;
+            let rule = "must be pixels and measures of the map";
+            let refused = || Error::value("pixels", format_args!("{pixel} of measure {measure}"), rule);
+            let place = place.ok_or_else(refused)?;
             place.add(&Value { number, error: if error.is_finite() { error.abs() } else { f64::NAN } })?;
         }
         Ok(())
@@ -408,9 +406,7 @@ impl MapRequest<'_> {
         let weight = rows::<3>("weight", &self.weight)?;
         same_length("shares", self.starts.len(), self.shares.len())?;
         let Some((nominal, others)) = self.starts.split_first() else {
-            return Err(
-                Error::Value { argument: "starts", value: "()".into(), rule: "must not be empty" }.into()
-            );
+            return Err(Error::value("starts", "()", "must not be empty").into());
         };
         let (starting, distributions) = nominal.pixels(moments, weight, &status)?;
         let mut mixture = Vec::new();
@@ -539,7 +535,7 @@ impl MapJob {
         if start > stop || stop > self.map.len() {
             let value = format!("({start}, {stop})");
             let rule = "must be a range of the samples of the map";
-            return Err(Error::Value { argument: "start, stop", value, rule }.into());
+            return Err(Error::value("start, stop", format_args!("({start}, {stop})"), rule).into());
         }
         let calls = self.map.calls_functions();
         let result = interruptible_calls(py, interrupted, calls, |interrupt| {
@@ -630,8 +626,7 @@ impl MapJob {
     fn ascending(&self, samples: &Aligned1<'_, u64>) -> PyResult<Vec<u64>> {
         let flat = self.numbers(samples)?;
         if !flat.is_sorted_by(|one, next| one < next) {
-            let rule = "must be in ascending order, each once";
-            return Err(Error::Value { argument: "samples", value: "of the map".into(), rule }.into());
+            return Err(Error::value("samples", "of the map", "must be in ascending order, each once").into());
         }
         Ok(flat)
     }
@@ -640,8 +635,8 @@ impl MapJob {
     fn numbers(&self, samples: &Aligned1<'_, u64>) -> PyResult<Vec<u64>> {
         let samples = samples.as_array();
         if let Some(sample) = samples.iter().find(|&&sample| sample >= self.map.len()) {
-            let value = format!("{sample} of {}", self.map.len());
-            return Err(Error::Value { argument: "samples", value, rule: "must be an index" }.into());
+            let rule = "must be an index";
+            return Err(Error::value("samples", format_args!("{sample} of {}", self.map.len()), rule).into());
         }
         Ok(memory::collected("numbers of samples", samples.len(), samples.iter().copied())?)
     }

@@ -109,8 +109,7 @@ pub fn solve<'py>(
     let given: Given<'_> = request.extract()?;
     Method::parse(given.method.to_str()?)?;
     if given.strides.is_some() {
-        let (argument, rule) = ("strides", "an accuracy is of states at times");
-        return Err(Error::Value { argument, value: "given".into(), rule }.into());
+        return Err(Error::value("strides", "given", "an accuracy is of states at times").into());
     }
     let asked = Some(Asked { accuracy, check, free, may_stop: given.bodies.may_stop });
     let run = Run { step, refinement: 1.0, deviations: None, changes: None, single: false, asked };

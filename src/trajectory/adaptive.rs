@@ -36,12 +36,14 @@ pub fn simulate(
         Error::Value { argument: "tolerance", value, rule }
     };
     if let Schedule::Strides(_) = request.schedule {
-        return Err(refused("steps of a given size have no tolerance"));
+        return refuse("tolerance", given, "steps of a given size have no tolerance");
     }
-    let tolerance = request.tolerance.filter(|t| (f64::MIN_POSITIVE..1.0).contains(t));
-    let tolerance = tolerance.ok_or_else(|| refused("must be positive and below one"))?;
+    let Some(tolerance) = request.tolerance.filter(|t| (f64::MIN_POSITIVE..1.0).contains(t)) else {
+        return refuse("tolerance", given, "must be positive and below one");
+    };
     if !method.is_known_inside(request.forces.of(0).into()) {
-        return Err(refused("only the Taylor methods choose their steps, and 'dop853' under a function"));
+        let rule = "only the Taylor methods choose their steps, and 'dop853' under a function";
+        return refuse("tolerance", given, rule);
     }
     let blocks = neighbours(request.bodies.len(), BLOCK, |_| ())?;
     over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {

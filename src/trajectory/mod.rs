@@ -83,21 +83,19 @@ pub fn simulate_into(
             }
         }
         AnyMethod::Auto => {
-            let (value, rule) = (format!("'{}'", AnyMethod::AUTO), "is chosen for the samples of maps only");
-            Err(Error::Value { argument: "method", value, rule })
+            refuse("method", format_args!("'{}'", AnyMethod::AUTO), "is chosen for the samples of maps only")
         }
         AnyMethod::Exact => {
             if request.record.is_tangent() {
                 let value = format!("'{}'", AnyMethod::EXACT);
                 let rule = "has no tangent here: deviation vectors are integrated";
-                return Err(Error::Value { argument: "method", value, rule });
+                return refuse("method", format_args!("'{}'", AnyMethod::EXACT), rule);
             }
             if !request.forces.is_none() {
                 return damped_free::simulate(request, states, threads, isa, stop);
             }
             if let Schedule::Strides(_) = request.schedule {
-                let value = AnyMethod::EXACT.to_string();
-                return Err(Error::Value { argument: "method", value, rule: "a closed form takes no steps" });
+                return refuse("method", AnyMethod::EXACT, "a closed form takes no steps");
             }
             closed::simulate(request, states, threads, isa, stop)
         }

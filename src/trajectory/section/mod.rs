@@ -173,15 +173,14 @@ pub fn section(
     assert_eq!(section.surfaces.len(), n * section.kinds.len());
     assert_eq!(section.ends.len(), n);
     method.check(request.scene)?;
-    let refused = |argument, value, rule| Err(Error::Value { argument, value, rule });
     if section.kinds.len() > MOST_KINDS {
         let rule = "a run watches 32 at most";
-        return refused("events", section.kinds.len().to_string(), rule);
+        return refuse("events", section.kinds.len(), rule);
     }
     let in_orbit = |kind: &SurfaceKind| kind.pointing.is_some_and(|pointing| pointing.in_orbit);
     let has_orbit = |body: usize| request.forces_of(body).further.orbit.normal().is_some();
     if section.kinds.iter().any(in_orbit) && !(0..n).all(has_orbit) {
-        return refused("events", "a direction of the orbit".into(), "the bodies are on no orbit");
+        return refuse("events", "a direction of the orbit", "the bodies are on no orbit");
     }
     let forces = ForceSet::from(request.forces.of(0));
     if !method.is_known_inside(forces) {
@@ -190,11 +189,11 @@ pub fn section(
         } else {
             "only a Taylor method is a polynomial inside its steps, of which no crossing is missed"
         };
-        return refused("method", format!("'{}'", method.facts.name), rule);
+        return method.refuse(rule);
     }
     let given = request.tolerance.unwrap_or(f64::NAN);
     if !(f64::MIN_POSITIVE..1.0).contains(&given) {
-        return refused("tolerance", format!("{given:e}"), "must be positive and below one");
+        return refuse("tolerance", format_args!("{given:e}"), "must be positive and below one");
     }
     if !request.forces.is_none() {
         check_forced(request, method)?;
