@@ -10,6 +10,7 @@
 //! body at a time, in kernels of its own.
 
 mod bodies;
+mod body_rows;
 mod damping;
 mod dissipation;
 mod drag;
