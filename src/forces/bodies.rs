@@ -115,9 +115,12 @@ impl<R: Real> ForcesInterval<'_, R> {
         ForcesInterval::filled(R::splat(0.0))
     }
 
-    /// The same with other functions.
+    /// The same for code of a kernel, whose types cannot name a lifetime.
+    ///
+    /// # Safety
+    /// As [`TorqueCalls::outliving`].
     #[inline(always)]
-    pub fn with_functions<'b>(&self, functions: Option<TorqueCalls<'b, R>>) -> ForcesInterval<'b, R> {
+    pub unsafe fn outliving(&self) -> ForcesInterval<'static, R> {
         let ForcesInterval { body, space, damping, rates, modes, further, rotor_change, .. } = *self;
         let ForcesInterval { trajectory, change, .. } = *self;
         ForcesInterval {
@@ -129,19 +132,10 @@ impl<R: Real> ForcesInterval<'_, R> {
             further,
             rotor_change,
             trajectory,
-            functions,
+            // SAFETY: the caller's promise.
+            functions: self.functions.map(|functions| unsafe { functions.outliving() }),
             change,
         }
-    }
-
-    /// The same for code of a kernel, whose types cannot name a lifetime.
-    ///
-    /// # Safety
-    /// As [`TorqueCalls::outliving`].
-    #[inline(always)]
-    pub unsafe fn outliving(&self) -> ForcesInterval<'static, R> {
-        // SAFETY: the caller's promise.
-        self.with_functions(self.functions.map(|functions| unsafe { functions.outliving() }))
     }
 }
 
@@ -291,16 +285,16 @@ impl Forces {
 
     /// The forces on some bodies, in this order; what serves all stays.
     ///
-        self.rows_of(Some(bodies))
-    }
-
-    fn rows_of(&self, bodies: Option<&[usize]>) -> Result<Forces, Error> {
     /// # Errors
     /// If there is no such body, or they do not fit into memory.
     pub fn of_some(&self, bodies: &[usize]) -> Result<Forces, Error> {
         if let Some(bad) = bodies.iter().find(|&&body| self.bodies() > 1 && body >= self.bodies()) {
             return refuse("body", bad, "there is no such body");
         }
+        self.rows_of(Some(bodies))
+    }
+
+    fn rows_of(&self, bodies: Option<&[usize]>) -> Result<Forces, Error> {
         Ok(Forces {
             torques: self.torques.of_some(TABLE, bodies)?,
             rotors: self.rotors.of_some(ROTOR, bodies)?,

@@ -216,7 +216,7 @@ impl<'a> MapJob<'a> {
         });
         let interval = (!forces.is_none()).then(|| {
             let interval = apply(&mut self.forces_rows, lane, forces, (0.0, body.moments));
-            interval.with_functions(self.forces_rows.functions.of(lane))
+            ForcesInterval { functions: self.forces_rows.functions.of(lane), ..interval }
         });
         let rate = || match on_orbit {
             Some(on_orbit) => on_orbit.rate * times as f64,
