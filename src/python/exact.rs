@@ -1,7 +1,9 @@
 //! The derived quantities of closed forms and the elliptic functions, array by array.
 
 use super::bodies::Bodies;
-use super::convert::{Aligned1, Aligned2, bodies, column, copied, evaluated, of_rows, rows, same_length};
+use super::convert::{
+    Aligned1, Aligned2, OneOrEach, bodies, column, copied, evaluated, of_rows, rows, same_length,
+};
 use super::states::{of_bodies, shaped};
 use crate::error::Error;
 use crate::exact::derived::{
@@ -73,15 +75,9 @@ pub fn closed_forms_for<'py>(
 /// The closed form of each body, or 0.
 fn codes_of(question: Question, moments: &[[f64; 3]], weight: &[[f64; 3]]) -> PyResult<Vec<u8>> {
     let n = if moments.len() == 1 { weight.len() } else { moments.len() };
-    for (argument, rows) in [("moments", moments.len()), ("weight", weight.len())] {
-        if rows != 1 {
-            same_length(argument, n, rows)?;
-        }
-    }
-    let code = |body: usize| {
-        let row = |rows: &[[f64; 3]]| rows[if rows.len() == 1 { 0 } else { body }];
-        ClosedForm::code(ClosedForm::answering(question, row(moments), row(weight)))
-    };
+    let (moments, weight) = (OneOrEach::new("moments", n, moments)?, OneOrEach::new("weight", n, weight)?);
+    let code =
+        |body: usize| ClosedForm::code(ClosedForm::answering(question, moments.of(body), weight.of(body)));
     Ok(memory::collected("closed forms", n, (0..n).map(code))?)
 }
 

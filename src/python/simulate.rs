@@ -2,8 +2,8 @@
 
 use super::bodies::Bodies;
 use super::convert::{
-    Aligned1, Aligned2, BodyColumns, at_once, copied_numbers, evaluated, interruptible_calls, parse_record,
-    rows, same_length, times_of_bodies,
+    Aligned1, Aligned2, BodyColumns, OneOrEach, at_once, copied_numbers, evaluated, interruptible_calls,
+    parse_record, rows, same_length, times_of_bodies,
 };
 use super::forces::PyForces;
 use super::states::{PyStates, of_bodies, shaped};
@@ -272,11 +272,9 @@ pub fn fastest_rates<'py>(
     let n = bodies.len()?;
     let forces = bodies.forces(n)?;
     let spans = span.as_ref().map(|span| rows::<2>("span", span)).transpose()?.unwrap_or(&[[0.0; 2]]);
-    if spans.len() != 1 {
-        same_length("span", n, spans.len())?;
-    }
+    let spans = OneOrEach::new("span", n, spans)?;
     let rate = |index: usize, body: &Body| {
-        let span = spans[if spans.len() == 1 { 0 } else { index }];
+        let span = spans.of(index);
         match method {
             None => body.fastest_rate(forces.of(index), span),
             Some(method) => body.step_rate(method, forces.of(index), span),
@@ -310,17 +308,16 @@ pub fn planned_steps<'py>(
     };
     let n = bodies.len()?;
     let forces = bodies.forces(n)?;
-    let spans = rows::<2>("span", &span)?;
-    if spans.len() != 1 {
-        same_length("span", n, spans.len())?;
-    }
+    let spans = OneOrEach::new("span", n, rows::<2>("span", &span)?)?;
     let mut steps = memory::reserved("steps", n)?;
     for part in BodyColumns::parts(n, 1) {
         let bodies = bodies.of(part.clone())?;
-        steps.extend(bodies.iter().zip(part).map(|(body, index)| {
-            let span = spans[if spans.len() == 1 { 0 } else { index }];
-            choice.planned_step(of, body, forces.of(index), span)
-        }));
+        steps.extend(
+            bodies
+                .iter()
+                .zip(part)
+                .map(|(body, index)| choice.planned_step(of, body, forces.of(index), spans.of(index))),
+        );
     }
     shaped(py, steps.into_flattened(), [n, 2])
 }
