@@ -9,12 +9,11 @@ mod comparison;
 mod second_run;
 mod tolerances;
 
-pub use comparison::Estimate;
 pub use second_run::ELSEWHERE;
 pub use tolerances::{LEAST_UNDER_FUNCTION, SERIES_TOLERANCE, first_tolerance};
 
 use crate::error::Error;
-use crate::estimate::longest_interval;
+use crate::estimate::{Estimate, longest_interval};
 use crate::kinematics::plain_dot;
 use crate::memory;
 use crate::method::{Method, SERIES};

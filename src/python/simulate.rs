@@ -8,10 +8,11 @@ use super::convert::{
 use super::forces::PyForces;
 use super::states::{PyStates, of_bodies, shaped};
 use super::target::Target;
-use crate::accuracy::{self, Asked, Estimate, Solved};
+use crate::accuracy::{self, Asked, Solved};
 use crate::body::Body;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
+use crate::estimate::Estimate;
 use crate::forces::{Forces, ParameterChange};
 use crate::map::PlannedRun;
 use crate::memory;
