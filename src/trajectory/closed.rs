@@ -6,7 +6,7 @@ use super::{
 };
 use crate::body::Body;
 use crate::error::Error;
-use crate::exact::{CanonicalForm, Evaluator, Question, StartRows, StateRows};
+use crate::exact::{CanonicalForm, Question, StartRows, StateRows};
 use crate::forces::BodyForces;
 use crate::kinematics::{length, plain_dot};
 use crate::memory;
@@ -39,7 +39,7 @@ pub fn simulate(
             drift.fill(0.0);
         }
         let (forms, first) = (&forms_of(request, block.clone())?, block.start);
-        let kinds = kinds_in(0..forms.len(), |index| forms[index].kind())?;
+        let kinds = kinds_in(0..forms.len(), |index| forms[index].evaluator())?;
         for members in kinds.iter().flat_map(|kind| kind.chunks(LANES)) {
             let known = members.iter().map(|&k| Invariants::new(&request.bodies[first + k], request.scene));
             let known = memory::collected("invariants of a group", members.len(), known)?;
@@ -94,7 +94,7 @@ struct ClosedFormBatch<'a> {
 
 impl ClosedFormBatch<'_> {
     fn run(&self, states: &mut StatesPart, stop: &Interrupt) -> Result<(), Error> {
-        let evaluator = Evaluator::new(self.form(0).kind(), self.isa);
+        let evaluator = self.form(0).evaluator();
         let canonical = |index: usize| self.form(index).to_canonical(self.body(index));
         for (index, &member) in self.members.iter().enumerate() {
             states.fastest_rate[member] = self.body(index).fastest_rate(BodyForces::NONE, [0.0; 2]);
@@ -105,9 +105,9 @@ impl ClosedFormBatch<'_> {
         let mut rows = memory::reserved("times of a group", room)?;
         let evaluate = |starts: &StartRows, rows: &[Row], out: &mut [StateRows]| {
             if self.with_attitude() {
-                evaluator.states(starts, rows, out);
+                evaluator.states(self.isa, starts, rows, out);
             } else {
-                evaluator.rates(starts, rows, out);
+                evaluator.rates(self.isa, starts, rows, out);
             }
         };
         // One body a lane, or one time a lane: the choice that leaves fewer lanes empty changes no bit.

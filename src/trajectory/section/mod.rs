@@ -249,8 +249,8 @@ impl Integration {
         Ok(Integration { assignment, forces, form })
     }
 
-    fn kind(&self) -> (Step, ForceSet, Option<EvaluatorKind>) {
-        (self.assignment.step, self.forces, self.form.map(CanonicalForm::kind))
+    fn kind(&self) -> (Step, ForceSet, Option<Evaluator>) {
+        (self.assignment.step, self.forces, self.form.map(CanonicalForm::evaluator))
     }
 }
 
@@ -343,7 +343,8 @@ impl<'a> SectionJob<'a> {
             }
         }
         let closed = integration.form.map(|form| ClosedForms {
-            evaluator: Evaluator::new(form.kind(), isa),
+            evaluator: form.evaluator(),
+            isa: call.isa,
             starts: StartRows::filled(&form.to_canonical(&request.bodies[block.start + members[0]])),
             now: [StateRows::ZERO],
         });
@@ -370,7 +371,7 @@ impl<'a> SectionJob<'a> {
     /// Sets all lanes that have moved to their states in closed form.
     fn begin_in_closed_form(&mut self, tasks: &[Option<Task>; LANES]) {
         let Some(closed) = &mut self.closed else { return };
-        closed.evaluator.states(&closed.starts, &self.lanes.steps.now[..1], &mut closed.now);
+        closed.evaluator.states(closed.isa, &closed.starts, &self.lanes.steps.now[..1], &mut closed.now);
         for lane in 0..LANES {
             let Some(task) = tasks[lane] else { continue };
             if self.lanes.steps.now[0].0[lane] == 0.0 {

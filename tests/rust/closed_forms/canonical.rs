@@ -182,5 +182,5 @@ fn what_has_no_closed_form_is_refused() {
     assert!(ask(&[plain, body], Schedule::Times(&[1.0])).unwrap().contains('1'));
     assert!(ask(&[plain, plain], Schedule::Strides(&[1])).unwrap().contains("takes no steps"));
     assert!(ask(&[plain, plain], Schedule::Times(&[1.0])).is_none());
-    assert_eq!(CanonicalForm::of(&plain).unwrap().kind(), EvaluatorKind::Free);
+    assert_eq!(CanonicalForm::of(&plain).unwrap().evaluator(), Evaluator::Free);
 }

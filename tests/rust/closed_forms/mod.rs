@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rigid::body::Body;
 use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
-use rigid::exact::{CanonicalForm, ClosedForm, EvaluatorKind};
+use rigid::exact::{CanonicalForm, ClosedForm, Evaluator};
 use rigid::forces::{BodyForces, Forces};
 use rigid::inertia::check_moments;
 use rigid::kinematics::to_body_frame;

@@ -11,7 +11,7 @@ mod trajectories;
 use crate::tests::scene_of;
 use rigid::body::Body;
 use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
-use rigid::exact::{CanonicalForm, Evaluator, EvaluatorKind, ExitRows, StartRows, StateRows};
+use rigid::exact::{CanonicalForm, Evaluator, Exit, StartRows, StateRows};
 use rigid::forces::Forces;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
