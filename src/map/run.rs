@@ -1,12 +1,10 @@
 //! Blocks of samples on threads: drawn, classified, measured and counted.
 
-use super::joined::Joined;
 use super::measure::Own;
 use super::observation::{Classified, RUNS};
 use super::statistics::Sample;
 use super::{
-    Class, Condition, ConditionVerdict, MOST_CONDITIONS, Map, NO_VERDICT, Observation, Sketch, Statistics,
-    Value, Verdict,
+    Class, Condition, ConditionVerdict, MOST_CONDITIONS, Map, Observation, Sketch, Statistics, Value, Verdict,
 };
 use crate::error::Error;
 use crate::memory;
@@ -175,7 +173,7 @@ impl Map {
         // Samples of one group are classified together, and neighbours side by side.
         let parts = parts(flat, |sample, later| self.belong_together(sample, later))?;
         let count = self.conditions.len();
-        let verdicts = memory::filled(VERDICTS, flat.len(), NO_VERDICT)?;
+        let verdicts = memory::filled(VERDICTS, flat.len(), Verdict::NONE)?;
         let nothing = (Class::Failed, f64::INFINITY);
         let all =
             Mutex::new((verdicts, memory::filled(VERDICTS, flat.len().saturating_mul(count), nothing)?));
@@ -185,7 +183,7 @@ impl Map {
             let mut all = all.lock().expect("copying does not panic");
             for at in part.clone() {
                 self.with_sample(&classified, flat[at], |sample, parts| {
-                    all.0[at] = (sample.class, *sample.first, sample.second.copied());
+                    all.0[at] = sample.verdict();
                     for (known, part) in all.1[at * count..].iter_mut().zip(parts) {
                         *known = (part.class, part.first.left);
                     }
@@ -220,9 +218,7 @@ impl Map {
             let measured = self.measured(flat[part.start]..flat[part.end - 1] + 1, isa, interrupt)?;
             let mut all = all.lock().expect("copying does not panic");
             for (index, at) in part.enumerate() {
-                let (class, first, second) = known.get(at).unwrap_or(&NO_VERDICT);
-                let (class, second) = (*class, second.as_ref());
-                let sample = Sample { class, first, second, audited: false, t_end: self.t_end };
+                let sample = known.get(at).unwrap_or(&Verdict::NONE).sample(self.t_end);
                 for k in 0..measures {
                     let (value, steps) = self.value(k, &sample, &measured, index);
                     all.0[at * measures + k] = value;
@@ -268,9 +264,7 @@ impl Map {
                 *part = one.sample(index(one), t_end).expect("a body is possible whatever is asked of it");
             }
             joined = self.logic.joined(&each[..all.len()]);
-            let Joined { class, first, second, audited } = &joined;
-            let (class, second, audited) = (*class, second.as_ref(), *audited);
-            (Sample { class, first, second, audited, t_end }, &each[..all.len()])
+            (joined.sample(t_end), &each[..all.len()])
         };
         // Called once, so that the compiler keeps the sample in registers.
         see(&sample, parts)

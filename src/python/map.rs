@@ -9,7 +9,7 @@ use crate::float_environment::FloatEnvironment;
 use crate::inertia::MomentStatus;
 use crate::map::{
     Bin, Check, Class, Column, Condition, Criterion, Distributions, Field, Logic, Map, Measure, Mixed,
-    NO_VERDICT, OF_START, Outcome, Pixel, Sketch, Statistics, Value, Verdict, clopper_pearson_of_each,
+    OF_START, Outcome, Pixel, Sketch, Statistics, Value, Verdict, clopper_pearson_of_each,
 };
 use crate::memory;
 use crate::method::AnyMethod;
@@ -476,13 +476,13 @@ const OUTCOME_NUMBERS: [OutcomeNumber; 8] = [
 /// Writes what became of samples as one array a number.
 fn write_outcomes<'py>(py: Python<'py>, all: &[Verdict]) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    dict.set_item("class", convert::column(py, all, |(class, ..)| *class as u8)?)?;
-    dict.set_item("status", convert::column(py, all, |(_, one, _)| one.status as u8)?)?;
-    dict.set_item("exact", convert::column(py, all, |(_, one, _)| one.exact)?)?;
-    dict.set_item("flips", convert::column(py, all, |(_, one, _)| one.flips as i64)?)?;
-    dict.set_item("steps", convert::column(py, all, |(_, one, _)| one.steps as i64)?)?;
+    dict.set_item("class", convert::column(py, all, |one| one.class as u8)?)?;
+    dict.set_item("status", convert::column(py, all, |one| one.first.status as u8)?)?;
+    dict.set_item("exact", convert::column(py, all, |one| one.first.exact)?)?;
+    dict.set_item("flips", convert::column(py, all, |one| one.first.flips as i64)?)?;
+    dict.set_item("steps", convert::column(py, all, |one| one.first.steps as i64)?)?;
     for (name, of) in OUTCOME_NUMBERS {
-        dict.set_item(name, convert::column(py, all, |(_, one, _)| of(one))?)?;
+        dict.set_item(name, convert::column(py, all, |one| of(&one.first))?)?;
     }
     Ok(dict)
 }
@@ -491,7 +491,7 @@ fn write_outcomes<'py>(py: Python<'py>, all: &[Verdict]) -> PyResult<Bound<'py, 
 /// their names.
 #[pyfunction]
 pub fn unknown_outcomes(py: Python<'_>, count: usize) -> PyResult<Bound<'_, PyDict>> {
-    write_outcomes(py, &memory::filled("outcomes of the samples", count, NO_VERDICT)?)
+    write_outcomes(py, &memory::filled("outcomes of the samples", count, Verdict::NONE)?)
 }
 
 /// The names of the classes of bodies, in the order of their codes.

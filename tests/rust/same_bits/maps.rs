@@ -236,7 +236,8 @@ fn a_sample_alone_is_the_sample_of_the_map() {
         let isa = Isa::available()[0];
         for flat in (0..map.len()).step_by(37) {
             let pixel = flat / SAMPLES;
-            let (class, outcome, _) = map.samples_at(&[flat], 1, isa, &GO).unwrap().0[0];
+            let verdict = map.samples_at(&[flat], Call::to_the_end(isa, 1)).unwrap().0[0];
+            let Verdict { class, first: outcome, .. } = verdict;
             let body = map.draw_at(isa, &[(pixel, flat % SAMPLES)]).unwrap()[0];
             let statistics = map.run(flat, flat + 1, 1, isa, &GO).unwrap().1[0];
             let mut expected = Statistics::NONE;

@@ -16,7 +16,9 @@ use rigid::forces::Forces;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
-use rigid::map::{Check, Class, Condition, Criterion, Distributions, Logic, Map, Pixel, Rule, Statistics};
+use rigid::map::{
+    Check, Class, Condition, Criterion, Distributions, Logic, Map, Pixel, Rule, Statistics, Verdict,
+};
 use rigid::method::{self, AnyMethod, EngineName, Method, Step};
 use rigid::observe::{Bound, Deviation, EXIT_TIME, Flips, Observed, Quantity, Tilt};
 use rigid::parallel::Interrupt;
