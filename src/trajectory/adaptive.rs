@@ -51,9 +51,8 @@ pub fn simulate(
         let mut lane_steps = 0;
         let integrations = Integration::of_block(request, method, block.clone())?;
         for members in kinds_in(block.clone(), |index| integrations[index - block.start].kind())? {
-            let how = (isa, tolerance);
-            let mut job =
-                AdaptiveJob::new(request, &integrations, block.start, &members, how, &mut states, stop)?;
+            let how = (call, tolerance);
+            let mut job = AdaptiveJob::new(request, &integrations, block.start, &members, how, &mut states)?;
             drive(&mut job)?;
             lane_steps += job.lane_steps;
         }
@@ -90,9 +89,6 @@ struct AdaptiveJob<'a, 'b> {
     states: &'a mut StatesPart<'b>,
     /// Rounds of all lanes.
     lane_steps: u64,
-    /// Bodies of the job.
-    members: usize,
-    stop: &'a Interrupt<'a>,
 }
 
 impl<'a, 'b> AdaptiveJob<'a, 'b> {
@@ -112,9 +108,8 @@ impl<'a, 'b> AdaptiveJob<'a, 'b> {
         // The fastest bodies first (the queue is emptied from its end): at the end no lane is inactive for long.
         queue.sort_unstable();
         let kernel = integrations[members[0]].kernel(request, Observed::Nothing);
-        let lanes = AdaptiveLanes::new(request, kernel, isa, tolerance)?;
-        let members = queue.len();
-        Ok(AdaptiveJob { request, integrations, first, queue, lanes, states, lane_steps: 0, members, stop })
+        let lanes = AdaptiveLanes::new(request, kernel, call, tolerance)?;
+        Ok(AdaptiveJob { request, integrations, first, queue, lanes, states, lane_steps: 0 })
     }
 
     /// Loads a body into a lane, at its start. Whether a requested time is left.
@@ -167,6 +162,7 @@ impl<'a, 'b> AdaptiveJob<'a, 'b> {
     }
 
     fn record(&mut self, lane: usize, task: &mut Task, state: &State) {
+            self.lanes.entered += 1;
         let at = task.body * self.request.schedule.len() + task.output;
         let known = (invariants_at_start(&self.lanes.group, lane), &mut task.last);
         self.states.record(task.body, at, state, known);
@@ -193,9 +189,7 @@ impl Job for AdaptiveJob<'_, '_> {
     }
 
     fn advance(&mut self, tasks: &[Option<Task>; LANES]) -> Result<(), Error> {
-        let inside = tasks.iter().enumerate();
-        let inside = inside.filter_map(|(lane, task)| Some((lane, self.first + task.as_ref()?.body)));
-        self.lanes.tell(self.stop, self.members - self.queue.len(), inside)?;
+        self.lanes.tell(tasks, |task| self.first + task.body)?;
         let left = tasks.iter().flatten().map(|task| self.request.max_steps - task.steps);
         let most = left.min().map_or(0, |left| left.min(STEPS_BETWEEN_STOPS));
         self.lane_steps += (self.lanes.advance(most as usize) * LANES) as u64;

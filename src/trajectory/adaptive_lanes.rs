@@ -26,6 +26,8 @@ pub(super) struct AdaptiveLanes<'a> {
     /// The next knot of the forces on each lane; infinite if there is none.
     knots: [f64; LANES],
     /// How many bodies are told to be done.
+    /// How many bodies have been in a lane.
+    pub(super) entered: usize,
     told: f64,
 }
 
@@ -45,6 +47,7 @@ impl<'a> AdaptiveLanes<'a> {
             knots: [f64::INFINITY; LANES],
             told: 0.0,
         })
+            entered: 0,
     }
 
     /// Loads a body into a lane, at its start; returns a bound of its rates in the time range of its motion.
@@ -135,25 +138,24 @@ impl<'a> AdaptiveLanes<'a> {
         }
     }
 
-    /// Tells how many bodies are done, of those that have been entered: `inside` are the lanes of those that are not
-    /// finished, with their indices.
+    /// Tells how many bodies are done, of those that have entered, from the lanes that are active and the indices of their
+    /// bodies.
     ///
     /// # Errors
     /// If the work is to stop.
-    pub(super) fn tell(
+    pub(super) fn tell<T>(
         &mut self,
-        stop: &Interrupt,
-        entered: usize,
-        inside: impl Iterator<Item = (usize, usize)>,
+        tasks: &[Option<T>; LANES],
+        index: impl Fn(&T) -> usize,
     ) -> Result<(), Error> {
-        let left = inside.map(|(lane, index)| {
-            let [first, last] = self.request.range_of(index);
-            1.0 - (self.steps.now[0].0[lane].abs() / (last - first)).min(1.0)
+        let left = tasks.iter().zip(&self.steps.now[0].0).filter_map(|(task, now)| {
+            let [first, last] = self.request.range_of(index(task.as_ref()?));
+            Some(1.0 - (now.abs() / (last - first)).min(1.0))
         });
-        let done = entered as f64 - left.sum::<f64>();
-        stop.tell(done - self.told);
+        let done = self.entered as f64 - left.sum::<f64>();
+        self.stop.tell(done - self.told);
         self.told = self.told.max(done);
-        if stop.is_wanted() { Err(Error::Stopped) } else { Ok(()) }
+        if self.stop.is_wanted() { Err(Error::Stopped) } else { Ok(()) }
     }
 
     /// Makes a lane inactive.

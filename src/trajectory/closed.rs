@@ -43,7 +43,8 @@ pub fn simulate(
         for members in kinds.iter().flat_map(|kind| kind.chunks(LANES)) {
             let known = members.iter().map(|&k| Invariants::new(&request.bodies[first + k], request.scene));
             let known = memory::collected("invariants of a group", members.len(), known)?;
-            ClosedFormBatch { request, forms, first, members, isa, known }.run(&mut states, stop)?;
+            let isa = call.isa;
+            ClosedFormBatch { request, forms, first, members, isa, known }.run(&mut states, call.stop)?;
         }
         Ok(0)
     })

@@ -44,7 +44,7 @@ pub fn simulate(
                 let own = &integrations[block.clone()];
                 let compiled = Compiled::new(own[group[0]].kernel(request, Observed::Nothing), isa);
                 let legs = LegGroup::new(request, own, block.start, group, compiled, (&mut lanes, 1), stop)?;
-                FixedJob { legs, states: &mut states, loaded: 0, last: [[0.0; 4]; LANES], stop }.run()?;
+                FixedJob { legs, states: &mut states, last: [[0.0; 4]; LANES] }.run()?;
             }
         }
         Ok(0)
@@ -55,8 +55,6 @@ pub fn simulate(
 struct FixedJob<'a, 'b> {
     legs: LegGroup<'a>,
     states: &'a mut StatesPart<'b>,
-    /// Bodies that are loaded.
-    loaded: usize,
     /// The attitude of each lane at its last recorded state.
     last: [[f64; 4]; LANES],
     stop: &'a Interrupt<'a>,
@@ -82,7 +80,6 @@ impl FixedJob<'_, '_> {
         }
         for backward in [false, true] {
             if self.legs.begin(backward)? {
-                self.loaded = 0;
                 drive(&mut self)?;
             }
         }
@@ -130,10 +127,9 @@ impl Job for FixedJob<'_, '_> {
 
     fn load(&mut self, lane: usize) -> Result<Option<Moving>, Error> {
         let legs = &mut self.legs;
-        if self.loaded == legs.members.len() {
+        if legs.waiting.next().is_none() {
             return Ok(None);
         }
-        self.loaded += 1;
         let (body, index) = (legs.body(lane), legs.index(lane));
         self.last[lane] = body.attitude;
         let deviation = Deviation::new(legs.request.record.deviation_of(index));
@@ -165,14 +161,14 @@ impl Job for FixedJob<'_, '_> {
             }
             at_rest = i;
             while done < end {
-                if self.stop.is_wanted() {
+                if legs.stop.is_wanted() {
                     return Err(Error::Stopped);
                 }
                 let count = (end - done).min(STEPS_BETWEEN_STOPS);
                 legs.advance(count);
                 done += count;
                 let share = |&lane: &usize| legs.steps[lane].map_or(0.0, |all| count as f64 / all as f64);
-                self.stop.tell(lanes[i..].iter().map(share).sum());
+                legs.stop.tell(lanes[i..].iter().map(share).sum());
             }
         }
         // All lanes of the leg, those that ended early too.

@@ -128,7 +128,6 @@ pub fn growth(
                     legs: LegGroup::new(request, &integrations, block.start, members, compiled, lanes, stop)?,
                     deviations,
                     part: &mut part,
-                    loaded: 0,
                     frames: [Frame::new(deviations.count, isa); LANES],
                     start_logs: [[0.0; MAX_DEVIATIONS]; LANES],
                     stop,
@@ -163,8 +162,6 @@ struct GrowthJob<'a, 'b> {
     legs: LegGroup<'a>,
     deviations: Deviations<'a>,
     part: &'a mut Part<'b>,
-    /// Bodies that are loaded.
-    loaded: usize,
     frames: [Frame; LANES],
     start_logs: [[f64; MAX_DEVIATIONS]; LANES],
     stop: &'a Interrupt<'a>,
@@ -175,11 +172,8 @@ impl Job for GrowthJob<'_, '_> {
     type Task = usize;
 
     fn load(&mut self, _: usize) -> Result<Option<usize>, Error> {
-        let (b, legs) = (self.loaded, &mut self.legs);
-        if b == legs.members.len() {
-            return Ok(None);
-        }
-        self.loaded += 1;
+        let legs = &mut self.legs;
+        let Some(b) = legs.waiting.next() else { return Ok(None) };
         let (body, lane, count) = (legs.body(b), legs.lane(b), self.deviations.count);
         let (rate, assignment) = (legs.forced_rate(b), legs.integration(b).assignment);
         let each = &self.deviations.each[legs.index(b) * count..][..count];
@@ -211,7 +205,7 @@ impl Job for GrowthJob<'_, '_> {
             let legs = &mut self.legs;
             let ends = legs.legs[..bodies].iter().map(|leg| leg.steps).filter(|&steps| steps > done);
             let Some(end) = ends.min() else { return Ok(()) };
-            if self.stop.is_wanted() {
+            if legs.stop.is_wanted() {
                 return Err(Error::Stopped);
             }
             let next = end.min((done / together + 1) * together);
@@ -223,7 +217,7 @@ impl Job for GrowthJob<'_, '_> {
                 let is_due = next % together == 0 || next == steps;
                 if steps > done {
                     let all = self.legs.steps[b].map_or(f64::INFINITY, |all| all as f64);
-                    self.stop.tell((next - done) as f64 / all);
+                    self.legs.stop.tell((next - done) as f64 / all);
                 }
                 if steps > done && is_due {
                     self.renormalise(b);

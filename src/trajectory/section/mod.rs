@@ -221,7 +221,7 @@ pub fn section(
         for members in kinds_in(block.clone(), |index| integrations[index - first].kind())? {
             let own = (&mut *crossings, &points);
             let mut job =
-                SectionJob::new(request, section, &integrations, block.clone(), &members, own, (isa, stop))?;
+                SectionJob::new(request, section, &integrations, block.clone(), &members, own, call)?;
             drive(&mut job)?;
         }
         Ok(())
@@ -299,9 +299,6 @@ struct SectionJob<'a> {
     points: &'a AtomicU64,
     /// Rounds of the group.
     rounds: u64,
-    /// Bodies of the job.
-    members: usize,
-    stop: &'a Interrupt<'a>,
 }
 
 impl<'a> SectionJob<'a> {
@@ -363,8 +360,6 @@ impl<'a> SectionJob<'a> {
             crossings,
             points,
             rounds: 0,
-            members: members.len(),
-            stop,
         })
     }
 
@@ -552,6 +547,7 @@ impl Job for SectionJob<'_> {
 
     fn load(&mut self, lane: usize) -> Result<Option<Task>, Error> {
         let Some(member) = self.queue.pop() else { return Ok(None) };
+        self.lanes.entered += 1;
         let (index, integration) = (self.block.start + member, self.integrations[member]);
         let (body, forces) = (&self.request.bodies[index], self.request.forces_of(index));
         let end = self.section.ends[index];
@@ -574,10 +570,7 @@ impl Job for SectionJob<'_> {
     fn advance(&mut self, tasks: &[Option<Task>; LANES]) -> Result<(), Error> {
         self.begin_in_closed_form(tasks);
         if self.rounds.is_multiple_of(STEPS_BETWEEN_STOPS) {
-            let inside = tasks.iter().enumerate();
-            let inside =
-                inside.filter_map(|(lane, task)| Some((lane, self.block.start + task.as_ref()?.body)));
-            self.lanes.tell(self.stop, self.members - self.queue.len(), inside)?;
+            self.lanes.tell(tasks, |task| self.block.start + task.body)?;
             self.check_memory()?;
         }
         self.rounds += 1;
