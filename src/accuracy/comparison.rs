@@ -144,7 +144,7 @@ fn stated_of_all(
     let (error, apart) = errors.split_at_mut(m);
     let mut all = memory::reserved("errors of the bodies", n)?;
     for (index, body) in batch.bodies.iter().enumerate() {
-        if index % BETWEEN_QUESTIONS == 0 && job.stop.is_wanted() {
+        if index % BETWEEN_QUESTIONS == 0 && job.call.stop.is_wanted() {
             return Err(Error::Stopped);
         }
         let mut run = Run {
@@ -161,12 +161,10 @@ fn stated_of_all(
             coarser_tolerance,
         };
         if !alone && depends_on_change(&run) {
-            let change: Change =
-                measured_change(&run, (job.scene, batch.forces(), index), job.isa, job.stop)?;
-            run.change = Some(change);
+            run.change = Some(measured_change(&run, (job.scene, batch.forces(), index), job.call)?);
         }
         let others = others.iter().map(|other| other.recorded(index, m));
-        all.push(stated(job.isa, &run, others, safety, alone, [&mut *error, &mut *apart]));
+        all.push(stated(job.call.isa, &run, others, safety, alone, [&mut *error, &mut *apart]));
     }
     Ok(all)
 }
@@ -228,7 +226,8 @@ pub fn with_phase_errors(batch: &Batch, states: Rows, mut all: Vec<Estimate>) ->
     for (index, own) in all.iter_mut().enumerate() {
         let recorded = states.recorded(index, m);
         let reached = time_range(batch.times_of(index));
-        let near = phase_error(batch.job.isa, &batch.bodies[index], recorded.omega, recorded.work, reached);
+        let near =
+            phase_error(batch.job.call.isa, &batch.bodies[index], recorded.omega, recorded.work, reached);
         // Of a body that was not run again no error is known, but that its phase is lost.
         if own.error.is_nan() && !near.lost_from.is_finite() {
             continue;

@@ -87,12 +87,12 @@ pub struct Run<'a> {
     pub coarser_tolerance: Option<f64>,
 }
 
-/// What is stated of the error of a run.
+/// The estimated error of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// The largest error at the compared times; NaN if it is not known.
     pub error: f64,
-    /// The output time nearest to 0 from which on the error is 1 or more; infinite if there is none.
+    /// The time nearest to 0 from which on the error is 1 or more; infinite if there is none.
     pub lost_from: f64,
 }
 

@@ -3,11 +3,10 @@
 use super::integrate::Run;
 use super::statistics::Sample;
 use super::{Class, Criterion, Map, Observation, Outcome};
-use crate::error::Error;
+use crate::call::Call;
+use crate::error::{Error, refuse};
 use crate::memory;
 use crate::observe::{Direction, Tilt};
-use crate::parallel::Interrupt;
-use crate::simd::Isa;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -199,12 +198,7 @@ pub(super) struct Own {
 impl Map {
     /// What the runs of the measures tell of a range of samples; an empty list for a measure that has no run. A second run
     /// repeats those of the samples that are checked: of all if verdicts choose which.
-    pub(super) fn measured(
-        &self,
-        range: Range<u64>,
-        isa: Isa,
-        interrupt: &Interrupt,
-    ) -> Result<Vec<Vec<Option<Own>>>, Error> {
+    pub(super) fn measured(&self, range: Range<u64>, call: Call) -> Result<Vec<Vec<Option<Own>>>, Error> {
         const MEASURES: &str = "measures of a block";
         let mut all = memory::reserved(MEASURES, self.measures.len())?;
         let (mut samples, mut checked) = (Vec::new(), Vec::new());
@@ -215,7 +209,7 @@ impl Map {
                 continue;
             };
             if bodies.is_empty() {
-                bodies = self.draw(isa, range.clone())?;
+                bodies = self.draw(call.isa, range.clone())?;
                 for (index, place) in self.pixels_and_samples(range.clone()).enumerate() {
                     if !self.pixels[place.0 as usize].possible {
                         continue;
@@ -228,7 +222,7 @@ impl Map {
             }
             let mut outcomes = memory::filled(MEASURES, bodies.len(), None)?;
             let observation = Observation { map: self, criterion, axis: measure.axis, is_stopped: false };
-            let run = Run { cross_check: false, isa, interrupt };
+            let run = Run { cross_check: false, call };
             observation.integrate((&bodies, range.start), &samples, run, &mut outcomes)?;
             let mut again = memory::filled(MEASURES, bodies.len(), None::<Outcome>)?;
             let run = Run { cross_check: true, ..run };

@@ -6,10 +6,10 @@ use super::statistics::Sample;
 use super::{
     Class, Condition, ConditionVerdict, MOST_CONDITIONS, Map, Observation, Sketch, Statistics, Value, Verdict,
 };
+use crate::call::Call;
 use crate::error::Error;
 use crate::memory;
-use crate::parallel::{Interrupt, over_blocks, thread_nanoseconds};
-use crate::simd::Isa;
+use crate::parallel::{over_blocks, thread_nanoseconds};
 use std::ops::Range;
 use std::slice;
 use std::sync::Mutex;
@@ -62,14 +62,12 @@ impl Map {
     /// the measures, pixel by pixel.
     ///
     /// # Errors
-    /// If the statistics do not fit into memory, or `interrupt` is set.
+    /// If the statistics do not fit into memory, or the call is stopped.
     pub fn run(
         &self,
         start: u64,
         stop: u64,
-        threads: usize,
-        isa: Isa,
-        interrupt: &Interrupt,
+        call: Call,
     ) -> Result<(u64, Vec<Statistics>, Vec<Sketch>), Error> {
         let first = start / self.samples;
         // As many as there are pixels at most, which are in memory.
@@ -78,13 +76,13 @@ impl Map {
         let statistics = memory::filled("statistics of the pixels", pixels, Statistics::NONE)?;
         let sketches = memory::filled("measures of the pixels", pixels * measures, Sketch::NONE)?;
         let all = Mutex::new((statistics, sketches));
-        let block = BLOCK.min((stop - start).div_ceil(threads as u64)).max(1);
+        let block = BLOCK.min((stop - start).div_ceil(call.threads as u64)).max(1);
         let count = (stop - start).div_ceil(block);
-        over_blocks(0..count, threads, interrupt, |b| {
+        over_blocks(0..count, call.threads, call.stop, |b| {
             // No block begins within a group of samples, whose outcomes hang together.
             let [begin, end] = [b, b + 1].map(|b| self.group_begin(stop.min(start + b * block)));
             let end = if b + 1 == count { stop } else { end };
-            let (pixels, sketches) = self.block(begin.max(start), end.max(start), isa, interrupt)?;
+            let (pixels, sketches) = self.block(begin.max(start), end.max(start), call)?;
             let mut all = all.lock().expect("merging does not panic");
             for (index, (pixel, statistics)) in pixels.into_iter().enumerate() {
                 let at = (pixel - first) as usize;
@@ -100,16 +98,10 @@ impl Map {
     }
 
     /// The statistics of one block, by pixel, and the sketches of its measures.
-    fn block(
-        &self,
-        start: u64,
-        stop: u64,
-        isa: Isa,
-        interrupt: &Interrupt,
-    ) -> Result<(Vec<PixelStatistics>, Vec<Sketch>), Error> {
+    fn block(&self, start: u64, stop: u64, call: Call) -> Result<(Vec<PixelStatistics>, Vec<Sketch>), Error> {
         let begin = thread_nanoseconds();
-        let classified = self.classified(start..stop, isa, interrupt)?;
-        let measured = self.measured(start..stop, isa, interrupt)?;
+        let classified = self.classified(start..stop, call)?;
+        let measured = self.measured(start..stop, call)?;
         let (mut pixels, mut sketches): (Vec<PixelStatistics>, Vec<Sketch>) = Default::default();
         for (at, (pixel, _)) in self.pixels_and_samples(start..stop).enumerate() {
             if pixels.last().is_none_or(|&(last, _)| last != pixel) {
@@ -161,13 +153,11 @@ impl Map {
     /// bits of the map; and the class of each of its conditions, with the time at which the first run left it.
     ///
     /// # Errors
-    /// If they do not fit into memory, or `interrupt` is set.
+    /// If they do not fit into memory, or the call is stopped.
     pub fn samples_at(
         &self,
         flat: &[u64],
-        threads: usize,
-        isa: Isa,
-        interrupt: &Interrupt,
+        call: Call,
     ) -> Result<(Vec<Verdict>, Vec<ConditionVerdict>), Error> {
         const VERDICTS: &str = "outcomes of the samples";
         // Samples of one group are classified together, and neighbours side by side.
@@ -177,9 +167,9 @@ impl Map {
         let nothing = (Class::Failed, f64::INFINITY);
         let all =
             Mutex::new((verdicts, memory::filled(VERDICTS, flat.len().saturating_mul(count), nothing)?));
-        over_blocks(0..parts.len() as u64, threads, interrupt, |part| {
+        over_blocks(0..parts.len() as u64, call.threads, call.stop, |part| {
             let part = parts[part as usize].clone();
-            let classified = self.classified(flat[part.start]..flat[part.end - 1] + 1, isa, interrupt)?;
+            let classified = self.classified(flat[part.start]..flat[part.end - 1] + 1, call)?;
             let mut all = all.lock().expect("copying does not panic");
             for at in part.clone() {
                 self.with_sample(&classified, flat[at], |sample, parts| {
@@ -189,7 +179,7 @@ impl Map {
                     }
                 });
             }
-            interrupt.tell(part.len() as f64);
+            call.stop.tell(part.len() as f64);
             Ok(())
         })?;
         Ok(all.into_inner().expect("copying does not panic"))
@@ -204,18 +194,16 @@ impl Map {
         &self,
         flat: &[u64],
         known: &[Verdict],
-        threads: usize,
-        isa: Isa,
-        interrupt: &Interrupt,
+        call: Call,
     ) -> Result<(Vec<Value>, Vec<u64>), Error> {
         const VALUES: &str = "values of the samples";
         let measures = self.measures.len();
         let parts = parts(flat, |sample, later| later == sample + 1)?;
         let values = memory::filled(VALUES, flat.len().saturating_mul(measures), Value::NONE)?;
         let all = Mutex::new((values, memory::filled(VALUES, flat.len(), 0)?));
-        over_blocks(0..parts.len() as u64, threads, interrupt, |part| {
+        over_blocks(0..parts.len() as u64, call.threads, call.stop, |part| {
             let part = parts[part as usize].clone();
-            let measured = self.measured(flat[part.start]..flat[part.end - 1] + 1, isa, interrupt)?;
+            let measured = self.measured(flat[part.start]..flat[part.end - 1] + 1, call)?;
             let mut all = all.lock().expect("copying does not panic");
             for (index, at) in part.enumerate() {
                 let sample = known.get(at).unwrap_or(&Verdict::NONE).sample(self.t_end);
@@ -237,15 +225,10 @@ impl Map {
     }
 
     /// The samples of a range with their outcomes, by condition.
-    fn classified(
-        &self,
-        range: Range<u64>,
-        isa: Isa,
-        interrupt: &Interrupt,
-    ) -> Result<Vec<Classified>, Error> {
+    fn classified(&self, range: Range<u64>, call: Call) -> Result<Vec<Classified>, Error> {
         let mut all = memory::reserved(RUNS, self.conditions.len())?;
         for observation in self.observations() {
-            all.push(observation.classified(range.clone(), isa, interrupt)?);
+            all.push(observation.classified(range.clone(), call)?);
         }
         Ok(all)
     }

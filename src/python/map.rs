@@ -4,6 +4,7 @@ use super::convert::{
     self, Aligned1, Aligned2, bodies, interruptible, interruptible_calls, rows, rows_of, same_length,
 };
 use super::forces::PyForces;
+use crate::call::Call;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::inertia::MomentStatus;
@@ -13,6 +14,7 @@ use crate::map::{
 };
 use crate::memory;
 use crate::method::AnyMethod;
+use crate::parallel::Interrupt;
 use crate::sample::{self, Distribution, Empirical};
 use crate::scene::Scene;
 use crate::simd::Isa;
@@ -219,7 +221,6 @@ impl MapStatistics {
         same_length("pixels", columns.len(), places.as_array().len())?;
         let index = |what: &str, number: i64, count: usize| {
             let rule = "must be pixels of the map";
-            let value = || format!("{what} {number} of {count}");
             let inside = usize::try_from(number).ok().filter(|&index| index < count);
             inside.ok_or_else(|| Error::value("part", format_args!("{what} {number} of {count}"), rule))
         };
@@ -533,13 +534,12 @@ impl MapJob {
         interrupted: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Option<Bound<'py, PyDict>>> {
         if start > stop || stop > self.map.len() {
-            let value = format!("({start}, {stop})");
             let rule = "must be a range of the samples of the map";
             return Err(Error::value("start, stop", format_args!("({start}, {stop})"), rule).into());
         }
         let calls = self.map.calls_functions();
-        let result = interruptible_calls(py, interrupted, calls, |interrupt| {
-            self.map.run(start, stop, threads.max(1), self.isa, interrupt)
+        let result = interruptible_calls(py, interrupted, calls, |wish| {
+            self.map.run(start, stop, self.call(threads, wish))
         })?;
         let (first, statistics, sketches) = match result {
             Err(Error::Stopped) => return Ok(None),
@@ -584,8 +584,8 @@ impl MapJob {
         threads: usize,
     ) -> PyResult<ValuesAndSteps<'py>> {
         let flat = self.ascending(&samples)?;
-        let (values, steps) = interruptible_calls(py, None, self.map.calls_functions(), |interrupt| {
-            self.map.values_at(&flat, &[], threads.max(1), self.isa, interrupt)
+        let (values, steps) = interruptible_calls(py, None, self.map.calls_functions(), |stop| {
+            self.map.values_at(&flat, &[], self.call(threads, stop))
         })??;
         let shape = [flat.len(), self.map.measures.len()];
         let numbers = convert::column(py, &values, |value| value.number)?.reshape(shape)?;
@@ -604,10 +604,10 @@ impl MapJob {
     ) -> PyResult<Bound<'py, PyDict>> {
         let flat = self.ascending(&samples)?;
         let calls = self.map.calls_functions();
-        let ((all, parts), (values, _)) = interruptible_calls(py, None, calls, |interrupt| {
-            interrupt.expect(flat.len(), 0..flat.len());
-            let known = self.map.samples_at(&flat, threads.max(1), self.isa, interrupt)?;
-            let values = self.map.values_at(&flat, &known.0, threads.max(1), self.isa, interrupt)?;
+        let ((all, parts), (values, _)) = interruptible_calls(py, None, calls, |stop| {
+            stop.expect(flat.len(), 0..flat.len());
+            let known = self.map.samples_at(&flat, self.call(threads, stop))?;
+            let values = self.map.values_at(&flat, &known.0, self.call(threads, stop))?;
             Ok::<_, Error>((known, values))
         })??;
         let dict = write_outcomes(py, &all)?;
@@ -622,6 +622,10 @@ impl MapJob {
 }
 
 impl MapJob {
+    fn call<'a>(&self, threads: usize, stop: &'a Interrupt<'a>) -> Call<'a> {
+        Call { isa: self.isa, threads: threads.max(1), stop }
+    }
+
     /// The numbers of samples, if the map has such samples and they ascend.
     fn ascending(&self, samples: &Aligned1<'_, u64>) -> PyResult<Vec<u64>> {
         let flat = self.numbers(samples)?;

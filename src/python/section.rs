@@ -2,6 +2,7 @@
 
 use super::bodies::Bodies;
 use super::convert::{Aligned1, Aligned2, column, copied, interruptible_calls, rows, same_length};
+use crate::call::Call;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::{Code, MOST_STATES, TorqueCall};
@@ -16,11 +17,11 @@ use numpy::ndarray::Array2;
 use numpy::{Element, IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-
 use std::array::from_fn;
 
 /// Numbers of a surface.
 const OF_SURFACE: usize = 11 + MOST_STATES;
+
 /// The points at which bodies cross their surfaces until a time; see `rigid.poincare` and `rigid.simulate`. A kind of
 /// surface is whether it is of a rate, its direction, and whether its points count, with its row of `pointing`: two pairs of
 /// a body axis and a direction, zeros without any, and 1 if the directions are those of the orbit; and with the address of a
@@ -96,7 +97,7 @@ pub fn section<'py>(
     let section = Section { kinds, surfaces, count, ends: &ends, closed };
     let run = |stop: &Interrupt| {
         stop.expect(n, 0..n);
-        trajectory::section(&request, method, &section, threads, isa, stop)
+        trajectory::section(&request, method, &section, Call { isa, threads, stop })
     };
     let calls = forces.of(0).function.is_some() || kinds.iter().any(|kind| kind.function.is_some());
     to_dict(py, &interruptible_calls(py, None, calls, run)??)

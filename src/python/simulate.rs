@@ -10,9 +10,10 @@ use super::states::{PyStates, of_bodies, shaped};
 use super::target::Target;
 use crate::accuracy::{self, Asked, Solved};
 use crate::body::Body;
+use crate::call::Call;
 use crate::error::Error;
-use crate::float_environment::FloatEnvironment;
 use crate::estimate::Estimate;
+use crate::float_environment::FloatEnvironment;
 use crate::forces::{Forces, ParameterChange};
 use crate::map::PlannedRun;
 use crate::memory;
@@ -206,11 +207,12 @@ fn states_of<'py>(
             // A second run takes about as long as the run.
             let runs = 1 + usize::from(asked.is_some_and(|asked| asked.check));
             stop.expect(runs * n, runs * part.start..runs * part.end);
+            let call = Call { isa, threads, stop };
             match (asked, method) {
                 (Some(asked), AnyMethod::Steps(method)) => {
-                    accuracy::solve(request, method, asked, states, threads, (isa, stop))
+                    accuracy::solve(request, method, asked, states, call)
                 }
-                _ => Ok(Solved::unjudged(trajectory::simulate_into(request, states, threads, isa, stop)?)),
+                _ => Ok(Solved::unjudged(trajectory::simulate_into(request, states, call)?)),
             }
         };
         let calls = forces.of(0).function.is_some();

@@ -6,14 +6,14 @@ use super::{
     Effort, Integration, Request, Schedule, StatesPart, invariants_at_start, kinds_in, neighbours,
     over_blocks_of,
 };
-use crate::error::Error;
+use crate::call::Call;
+use crate::error::{Error, refuse};
 use crate::forces::BodyForces;
 use crate::kernel::{Job, KernelAssignment, State, drive, read, unload};
 use crate::memory;
 use crate::method::Method;
 use crate::observe::Observed;
-use crate::parallel::Interrupt;
-use crate::simd::{Isa, LANES};
+use crate::simd::LANES;
 use crate::status::Status;
 
 /// Bodies in a block: enough that few lanes are inactive at the end of a block.
@@ -23,18 +23,8 @@ const BLOCK: usize = 1024;
 const STEPS_BETWEEN_STOPS: u64 = 1 << 10;
 
 /// Runs the request.
-pub fn simulate(
-    request: &Request,
-    method: &Method,
-    states: StatesPart,
-    threads: usize,
-    isa: Isa,
-    stop: &Interrupt,
-) -> Result<Effort, Error> {
-    let refused = |rule| {
-        let value = request.tolerance.map_or(String::new(), |tolerance| format!("{tolerance:e}"));
-        Error::Value { argument: "tolerance", value, rule }
-    };
+pub fn simulate(request: &Request, method: &Method, states: StatesPart, call: Call) -> Result<Effort, Error> {
+    let given = request.tolerance.map_or(String::new(), |tolerance| format!("{tolerance:e}"));
     if let Schedule::Strides(_) = request.schedule {
         return refuse("tolerance", given, "steps of a given size have no tolerance");
     }
@@ -46,7 +36,7 @@ pub fn simulate(
         return refuse("tolerance", given, rule);
     }
     let blocks = neighbours(request.bodies.len(), BLOCK, |_| ())?;
-    over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
+    over_blocks_of(request, &blocks, states, call, |block, mut states| {
         states.forget();
         let mut lane_steps = 0;
         let integrations = Integration::of_block(request, method, block.clone())?;
@@ -97,9 +87,8 @@ impl<'a, 'b> AdaptiveJob<'a, 'b> {
         integrations: &'a [Integration],
         first: usize,
         members: &[usize],
-        (isa, tolerance): (Isa, f64),
+        (call, tolerance): (Call<'a>, f64),
         states: &'a mut StatesPart<'b>,
-        stop: &'a Interrupt<'a>,
     ) -> Result<Self, Error> {
         let rate = |index: usize| request.bodies[first + index].fastest_rate(BodyForces::NONE, [0.0; 2]);
         // Rates are not negative: their bits are ordered as they are.
@@ -162,7 +151,6 @@ impl<'a, 'b> AdaptiveJob<'a, 'b> {
     }
 
     fn record(&mut self, lane: usize, task: &mut Task, state: &State) {
-            self.lanes.entered += 1;
         let at = task.body * self.request.schedule.len() + task.output;
         let known = (invariants_at_start(&self.lanes.group, lane), &mut task.last);
         self.states.record(task.body, at, state, known);
@@ -174,6 +162,7 @@ impl Job for AdaptiveJob<'_, '_> {
 
     fn load(&mut self, lane: usize) -> Result<Option<Task>, Error> {
         while let Some((_, body)) = self.queue.pop() {
+            self.lanes.entered += 1;
             let split = self.times(body).partition_point(|&t| t < 0.0);
             let assignment = self.integrations[body].assignment;
             let mut task =

@@ -1,13 +1,14 @@
 //! Lanes that choose their steps, each under the forces on its body.
 
 use super::Request;
+use crate::call::Call;
 use crate::error::Error;
 use crate::kernel::{
     AdaptiveSteps, Compiled, Entry, ForcesRows, Group, Kernel, KernelAssignment, load, reset_time,
 };
 use crate::observe::Deviation;
 use crate::parallel::Interrupt;
-use crate::simd::{Isa, LANES};
+use crate::simd::LANES;
 
 /// The longest step under a function (rad): the body turns by this angle at most, so that no step leaps over what it does.
 const LONGEST: f64 = 2.0;
@@ -25,17 +26,18 @@ pub(super) struct AdaptiveLanes<'a> {
     forces_rows: ForcesRows<'a>,
     /// The next knot of the forces on each lane; infinite if there is none.
     knots: [f64; LANES],
-    /// How many bodies are told to be done.
     /// How many bodies have been in a lane.
     pub(super) entered: usize,
+    /// How many bodies are told to be done.
     told: f64,
+    stop: &'a Interrupt<'a>,
 }
 
 impl<'a> AdaptiveLanes<'a> {
     pub(super) fn new(
         request: &'a Request<'a>,
         kernel: Kernel,
-        isa: Isa,
+        Call { isa, stop, .. }: Call<'a>,
         tolerance: f64,
     ) -> Result<Self, Error> {
         Ok(AdaptiveLanes {
@@ -45,9 +47,10 @@ impl<'a> AdaptiveLanes<'a> {
             steps: AdaptiveSteps::inactive(tolerance, kernel.step.numbers.order)?,
             forces_rows: ForcesRows::with_room(request.forces.function_width())?,
             knots: [f64::INFINITY; LANES],
-            told: 0.0,
-        })
             entered: 0,
+            told: 0.0,
+            stop,
+        })
     }
 
     /// Loads a body into a lane, at its start; returns a bound of its rates in the time range of its motion.

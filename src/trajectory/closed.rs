@@ -5,6 +5,7 @@ use super::{
     Effort, Record, Request, Schedule, StatesPart, kinds_in, neighbours, over_blocks_of, time_range,
 };
 use crate::body::Body;
+use crate::call::Call;
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Question, StartRows, StateRows};
 use crate::forces::BodyForces;
@@ -26,15 +27,9 @@ const ROWS_BETWEEN_STOPS: usize = 256;
 const BLOCK: usize = 1024;
 
 /// Runs the request.
-pub fn simulate(
-    request: &Request,
-    states: StatesPart,
-    threads: usize,
-    isa: Isa,
-    stop: &Interrupt,
-) -> Result<Effort, Error> {
+pub fn simulate(request: &Request, states: StatesPart, call: Call) -> Result<Effort, Error> {
     let blocks = neighbours(request.bodies.len(), BLOCK, |_| ())?;
-    over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
+    over_blocks_of(request, &blocks, states, call, |block, mut states| {
         for drift in states.drifts() {
             drift.fill(0.0);
         }

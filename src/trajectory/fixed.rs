@@ -5,13 +5,13 @@ use super::{
     Effort, Integration, Request, StatesPart, blocks, invariants_at_start, kinds_in, over_blocks_of,
     steps_of_legs,
 };
+use crate::call::Call;
 use crate::error::Error;
 use crate::kernel::{Compiled, Entry, Group, Job, drive, load, unload};
 use crate::memory;
 use crate::method::Method;
 use crate::observe::{Deviation, Observed};
-use crate::parallel::Interrupt;
-use crate::simd::{Isa, LANES};
+use crate::simd::LANES;
 use crate::status::Status;
 
 /// Largest number of steps between two checks of the stop flag: a tenth of a second
@@ -19,22 +19,16 @@ use crate::status::Status;
 const STEPS_BETWEEN_STOPS: u64 = 1 << 9;
 
 /// Runs the request.
-pub fn simulate(
-    request: &Request,
-    method: &Method,
-    states: StatesPart,
-    threads: usize,
-    isa: Isa,
-    stop: &Interrupt,
-) -> Result<Effort, Error> {
+pub fn simulate(request: &Request, method: &Method, states: StatesPart, call: Call) -> Result<Effort, Error> {
     let count = request.bodies.len();
     let integrations = Integration::of_block(request, method, 0..count)?;
     let steps =
         memory::collected("steps of the bodies", count, (0..count).map(|b| steps_of_legs(request, b)))?;
     let kind = |index: usize| integrations[index].kind();
+    let Call { isa, threads, stop } = call;
     let blocks = blocks(count, threads, |index| (kind(index), steps[index]))?;
     // The bits of a body do not depend on the others of its group.
-    over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
+    over_blocks_of(request, &blocks, states, call, |block, mut states| {
         states.forget();
         let mut lanes = Group::inactive();
         for mut members in kinds_in(block.clone(), kind)? {
@@ -57,7 +51,6 @@ struct FixedJob<'a, 'b> {
     states: &'a mut StatesPart<'b>,
     /// The attitude of each lane at its last recorded state.
     last: [[f64; 4]; LANES],
-    stop: &'a Interrupt<'a>,
 }
 
 /// A body in motion.

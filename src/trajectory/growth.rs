@@ -8,13 +8,14 @@ use super::frame::{Frame, MAX_DEVIATIONS};
 use super::legs::LegGroup;
 use super::states::first;
 use super::{Integration, Request, blocks, kinds_in, steps_of_legs};
+use crate::call::Call;
 use crate::error::Error;
 use crate::kernel::{Compiled, DeviationRows, Entry, Group, Job, System, drive, load};
 use crate::memory;
 use crate::method::Method;
 use crate::observe::{Deviation, Growth, Observed};
-use crate::parallel::{Interrupt, over_blocks};
-use crate::simd::{Isa, LANES};
+use crate::parallel::over_blocks;
+use crate::simd::LANES;
 use crate::status::{DRIFT_LIMIT, Status};
 
 /// Steps between two divisions of a deviation vector, so few that none overflows; of several, so few that they do not
@@ -83,9 +84,7 @@ pub fn growth(
     request: &Request,
     method: &Method,
     deviations: Deviations,
-    threads: usize,
-    isa: Isa,
-    stop: &Interrupt,
+    Call { isa, threads, stop }: Call,
 ) -> Result<Growths, Error> {
     assert!((1..=MAX_DEVIATIONS).contains(&deviations.count));
     assert_eq!(deviations.each.len(), request.bodies.len() * deviations.count);
@@ -130,7 +129,6 @@ pub fn growth(
                     part: &mut part,
                     frames: [Frame::new(deviations.count, isa); LANES],
                     start_logs: [[0.0; MAX_DEVIATIONS]; LANES],
-                    stop,
                 };
                 job.run()?;
             }
@@ -164,7 +162,6 @@ struct GrowthJob<'a, 'b> {
     part: &'a mut Part<'b>,
     frames: [Frame; LANES],
     start_logs: [[f64; MAX_DEVIATIONS]; LANES],
-    stop: &'a Interrupt<'a>,
 }
 
 impl Job for GrowthJob<'_, '_> {

@@ -268,7 +268,7 @@ impl<'a> LegGroup<'a> {
         members: &'a [usize],
         compiled: Compiled,
         (lanes, lanes_each): (&'a mut Group, usize),
-        stop: &Interrupt,
+        stop: &'a Interrupt<'a>,
     ) -> Result<Self, Error> {
         let is_changing = integrations[members[0]].forces.act || request.record.is_sensitivity();
         let bodies = members.iter().map(|&member| first + member);

@@ -23,14 +23,15 @@ pub use section::{Crossings, Point, Pointing, Section, Surface, SurfaceKind, sec
 pub use states::{Column, States, StatesPart};
 
 use crate::body::Body;
-use crate::error::Error;
+use crate::call::Call;
+use crate::error::{Error, refuse};
 use crate::forces::ForceSet;
 use crate::kernel::{Group, Kernel, KernelAssignment, Needs, System};
 use crate::memory;
 use crate::method::{AnyMethod, Method, Step};
 use crate::observe::Observed;
-use crate::parallel::{Interrupt, caught, over_blocks};
-use crate::simd::{Isa, LANES};
+use crate::parallel::{caught, over_blocks};
+use crate::simd::LANES;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -48,9 +49,9 @@ pub struct Effort {
 ///
 /// # Errors
 /// If the states do not fit into memory, and as `simulate_into`.
-pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &Interrupt) -> Result<States, Error> {
+pub fn simulate(request: &Request, call: Call) -> Result<States, Error> {
     let mut states = States::reserved(request, request.bodies.len(), &[])?;
-    states.effort = simulate_into(request, states.whole(), threads, isa, stop)?;
+    states.effort = simulate_into(request, states.whole(), call)?;
     Ok(states)
 }
 
@@ -60,13 +61,7 @@ pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &Interrupt) -
 /// If the request was stopped; if a closed form is wanted and a body has none; if the method does not move tops or
 /// forced bodies; if a step is beyond the stability of the method, or an output time beyond the table of a torque; if a
 /// tolerance is given to a method that is no series.
-pub fn simulate_into(
-    request: &Request,
-    states: StatesPart,
-    threads: usize,
-    isa: Isa,
-    stop: &Interrupt,
-) -> Result<Effort, Error> {
+pub fn simulate_into(request: &Request, states: StatesPart, call: Call) -> Result<Effort, Error> {
     match request.method {
         AnyMethod::Steps(method) => {
             method.check(request.scene)?;
@@ -78,8 +73,8 @@ pub fn simulate_into(
                 check_forced(request, method)?;
             }
             match request.tolerance {
-                Some(_) => adaptive::simulate(request, method, states, threads, isa, stop),
-                None => fixed::simulate(request, method, states, threads, isa, stop),
+                Some(_) => adaptive::simulate(request, method, states, call),
+                None => fixed::simulate(request, method, states, call),
             }
         }
         AnyMethod::Auto => {
@@ -87,17 +82,16 @@ pub fn simulate_into(
         }
         AnyMethod::Exact => {
             if request.record.is_tangent() {
-                let value = format!("'{}'", AnyMethod::EXACT);
                 let rule = "has no tangent here: deviation vectors are integrated";
                 return refuse("method", format_args!("'{}'", AnyMethod::EXACT), rule);
             }
             if !request.forces.is_none() {
-                return damped_free::simulate(request, states, threads, isa, stop);
+                return damped_free::simulate(request, states, call);
             }
             if let Schedule::Strides(_) = request.schedule {
                 return refuse("method", AnyMethod::EXACT, "a closed form takes no steps");
             }
-            closed::simulate(request, states, threads, isa, stop)
+            closed::simulate(request, states, call)
         }
     }
 }
@@ -203,8 +197,7 @@ fn over_blocks_of(
     request: &Request,
     blocks: &[Range<usize>],
     mut states: StatesPart,
-    threads: usize,
-    stop: &Interrupt,
+    call: Call,
     work: impl Fn(Range<usize>, StatesPart) -> Result<u64, Error> + Sync,
 ) -> Result<Effort, Error> {
     let lane_steps = AtomicU64::new(0);
@@ -220,8 +213,8 @@ fn over_blocks_of(
         caught(|| parts.into_iter().try_for_each(done))?;
         begin.elapsed().as_nanos() as u64
     } else {
-        let threads = if request.is_light() { 1 } else { threads };
-        over_blocks(parts, threads, stop, done)?
+        let threads = if request.is_light() { 1 } else { call.threads };
+        over_blocks(parts, threads, call.stop, done)?
     };
     Ok(Effort { nanoseconds, lane_steps: lane_steps.into_inner() })
 }

@@ -14,14 +14,15 @@ use super::adaptive_lanes::AdaptiveLanes;
 use super::states::{invariant_errors, worse};
 use super::{Request, check_forced, invariants_at_start, kinds_in};
 use crate::body::Body;
-use crate::error::Error;
-use crate::exact::{CanonicalForm, Evaluator, EvaluatorKind, Question, StartRows, StateRows};
+use crate::call::Call;
+use crate::error::{Error, refuse};
+use crate::exact::{CanonicalForm, Evaluator, Question, StartRows, StateRows};
 use crate::forces::{Bounded, ForceSet, MOST_STATES, TorqueCall};
 use crate::kernel::{Entry, Job, Kernel, KernelAssignment, Needs, State, System, drive, load, read, unload};
 use crate::memory;
 use crate::method::{Method, Step};
 use crate::observe::Observed;
-use crate::parallel::{Interrupt, over_blocks};
+use crate::parallel::over_blocks;
 use crate::scene::TOP;
 use crate::simd::{Isa, LANES};
 use crate::status::{DRIFT_LIMIT, Status};
@@ -165,9 +166,7 @@ pub fn section(
     request: &Request,
     method: &Method,
     section: &Section,
-    threads: usize,
-    isa: Isa,
-    stop: &Interrupt,
+    call: Call,
 ) -> Result<Vec<Crossings>, Error> {
     let n = request.bodies.len();
     assert_eq!(section.surfaces.len(), n * section.kinds.len());
@@ -210,9 +209,9 @@ pub fn section(
     };
     let mut all = memory::filled("sections of bodies", n, none)?;
     let points = AtomicU64::new(0);
-    let size = n.div_ceil(4).div_ceil(threads.max(1)).clamp(LANES, BLOCK);
+    let size = n.div_ceil(4).div_ceil(call.threads.max(1)).clamp(LANES, BLOCK);
     let blocks = all.chunks_mut(size).enumerate().map(|(index, part)| (index * size, part));
-    over_blocks(blocks, threads, stop, |(first, crossings)| {
+    over_blocks(blocks, call.threads, call.stop, |(first, crossings)| {
         let block = first..first + crossings.len();
         let mut integrations = memory::reserved("bodies of a block", block.len())?;
         for index in block.clone() {
@@ -274,6 +273,7 @@ struct Found {
 /// Closed forms of the bodies of the lanes.
 struct ClosedForms {
     evaluator: Evaluator,
+    isa: Isa,
     starts: StartRows,
     now: [StateRows; 1],
 }
@@ -309,7 +309,7 @@ impl<'a> SectionJob<'a> {
         block: Range<usize>,
         members: &[usize],
         (crossings, points): (&'a mut [Crossings], &'a AtomicU64),
-        (isa, stop): (Isa, &'a Interrupt<'a>),
+        call: Call<'a>,
     ) -> Result<Self, Error> {
         let integration = integrations[members[0]];
         let needs = Needs {
@@ -352,7 +352,7 @@ impl<'a> SectionJob<'a> {
             integrations,
             block,
             queue: memory::collected("bodies of a block", members.len(), queue)?,
-            lanes: AdaptiveLanes::new(request, kernel, isa, tolerance)?,
+            lanes: AdaptiveLanes::new(request, kernel, call, tolerance)?,
             closed,
             surfaces,
             called,
