@@ -15,6 +15,7 @@ from .._checks.arguments import brief, finite_float, shaped
 from .._core import MOST_STATES
 from .compiling import UNKNOWN, Callback, of_python
 from .leading import ByValue, Index, Shape, axes_of, frozen, leading_shape, taken
+from .sampled import require_place
 
 Floats = NDArray[np.float64]
 
@@ -103,10 +104,10 @@ class TorqueFunction(ByValue):
             return ()
         return (f"Python calls the torque, some 5 µs for each body and stage: {why}",)
 
-    def check_place(self, has_orbit: bool) -> None:
-        """Raise ValueError for a function that asks for a place on an orbit if there is none."""
-        if self.callback.asks_place and not has_orbit:
-            raise ValueError("orbit_position: the function takes it, but the scene has no orbit")
+    def check_place(self, orbit: object) -> None:
+        """Raise ValueError if it asks for a place that this orbit, or None, does not tell."""
+        if self.callback.asks_place:
+            require_place("the function", orbit)
 
     @property
     def shape(self) -> Shape:

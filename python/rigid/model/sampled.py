@@ -166,6 +166,17 @@ def reached(name: str, knots: Sequence[float] | Floats, t: ArrayLike) -> Floats:
     return times
 
 
+def require_place(name: str, orbit: object) -> None:
+    """Raise ValueError if a function asks for a place that the orbit of its scene does not tell."""
+    if orbit is None:
+        raise ValueError(f"orbit_position: {name} takes it, but the scene has no orbit")
+    if isinstance(orbit, Sampled):
+        raise ValueError(
+            f"orbit_position: {name} takes it, but functions are not told the positions of "
+            "rigid.Orbit.table; give rigid.Orbit, or interpolate the positions in the function"
+        )
+
+
 def linear(times: Sequence[float] | Floats, values: ArrayLike, t: Floats) -> Floats:
     """A piecewise linear table at times inside it; after a jump, but for the last time."""
     array = np.array(values)
