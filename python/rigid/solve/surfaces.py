@@ -16,7 +16,7 @@ from ..model.compiling import Callback, Taken, of_state, taken_by
 from ..model.events import Event
 from ..model.frame import turned
 from ..model.orbit import Orbit
-from ..model.sampled import RotorTable, Sampled
+from ..model.sampled import RotorTable, Sampled, require_place
 from ..model.scene import Scene
 from .arrays import in_rows, lengths
 from .bodies import Bodies
@@ -487,8 +487,8 @@ def _called(event: Event, scene: Scene, frame: Floats | None) -> Called | None:
     takes_states, asks_place = taken_by(function)
     if takes_states and not scene.states:
         raise ValueError(f"states: {event.name} takes them; give Torque.call(..., states=k)")
-    if asks_place and scene.orbit is None:
-        raise ValueError(f"orbit_position: {event.name} takes it, but the scene has no orbit")
+    if asks_place:
+        require_place(event.name, scene.orbit)
     return Called(function, *of_state(function, scene.states))
 
 
