@@ -148,6 +148,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "maps/satellites.py": ("maps/test_satellite_maps.py",),
     "maps/sequential.py": ("maps/test_sequential.py", "maps/test_refined_maps.py"),
     "maps/summary.py": (
+        "maps/test_map_statistics.py",
         "maps/test_measures.py",
         "maps/test_refined_maps.py",
         "maps/test_regular_maps.py",
