@@ -127,6 +127,8 @@ SCENES: dict[str, Scenes] = {
     "under a function": _called,
 }
 
+OF_POINTS = ("t", "omega", "gamma", "attitude", "direction", "slope", "grazing", "error")
+
 # Doors: scene, some of the bodies, units of mass and of time, threads
 
 
@@ -149,6 +151,11 @@ def _start(scene: Scene, rows: Any, time: float) -> tuple[Scene, Floats, Floats,
     return of, omega, ATTITUDE[rows], None if omega.ndim == 1 else len(omega)
 
 
+def parameters(scene: Scene) -> tuple[str, ...]:
+    """Parameters of the scene for the derivatives of its motions."""
+    return ("I1", "damping", "torque1", *(("mgl", "com3") if scene.directions else ()))
+
+
 def simulated(
     scene: Scene,
     rows: Any,
@@ -158,11 +165,14 @@ def simulated(
     *,
     own: bool = False,
     step: float | None = None,
+    varied: bool = False,
     **options: Any,
 ) -> list[dict[str, Any]]:
     of, omega, attitude, count = _start(scene, rows, time)
     t = time * (OWN_TIMES[rows] if own else TIMES)
     step = None if step is None else step * time
+    if varied:
+        options |= {"tangent": parameters(scene), "check": False}
     run = rigid.simulate(of, omega, attitude, t=t, threads=threads, step=step, **options)
     return _of_each(run, _columns(rigid.Run), count)
 
@@ -186,11 +196,22 @@ def watched(
         of, omega, attitude, t=[0.0, 5.0 * time], threads=threads, events=events, **asked
     )
     found = _of_each(run, _columns(rigid.Run), count)
-    names = ("t", "omega", "gamma", "attitude", "direction", "grazing", "error")
     for number, event in enumerate(run.events):
         for k, arrays in enumerate(found):
             own = event if count is None else event.of(k)
-            arrays |= {f"{name} of event {number}": getattr(own, name) for name in names}
+            arrays |= {f"{name} of event {number}": getattr(own, name) for name in OF_POINTS}
+    return found
+
+
+def cut(
+    scene: Scene, rows: Any, mass: float, time: float, threads: int, *, section: str
+) -> list[dict[str, Any]]:
+    of, omega, attitude, count = _start(scene, rows, time)
+    points = rigid.poincare(of, omega, attitude, section=section, t_end=6.0 * time, threads=threads)
+    found = _of_each(points, (*_columns(rigid.Crossings), "complete", "lost_from"), count)
+    for k, arrays in enumerate(found):
+        own = points.body == k
+        arrays |= {f"{name} of a point": getattr(points, name)[own] for name in OF_POINTS}
     return found
 
 
@@ -235,8 +256,9 @@ DOORS: dict[str, Door] = {
     "rates": partial(simulated, record="rates", method="dop853", check=False),
     "axis": partial(simulated, record="axis", method="rk4", check=False),
     "tangent": partial(simulated, tangent=True, check=False),
-    "tangent by parameters": partial(simulated, tangent=("I1", "damping"), check=False),
-    "tangent of steps": partial(simulated, tangent=True, method="dop853", check=False),
+    "tangent by parameters": partial(simulated, varied=True),
+    "tangent by parameters in steps": partial(simulated, varied=True, method="dop853"),
+    "tangent by parameters in a series": partial(simulated, varied=True, method="taylor16"),
     "tangent of splittings": partial(simulated, tangent=True, method="splitting4", check=False),
     "other times": elsewhere,
     "events": watched,
@@ -245,6 +267,8 @@ DOORS: dict[str, Door] = {
     "motion by splitting4": partial(stepped, method="splitting4"),
     "growth": grown,
     "growth by steps": partial(grown, exponents=3, method="dop853", check=False),
+    "section of a rate": partial(cut, section="omega2"),
+    "section of the height": partial(cut, section="height"),
     "growth of rates": partial(grown, of="rates", exponents=3, method="dop853", check=False),
 }
 
@@ -259,6 +283,8 @@ def opens(name: str, scene: Scene) -> bool:
         return name == "motion"  # the others take seconds in Python
     if "splittings" in words:
         return not forces
+    if name == "section of the height":
+        return isinstance(scene, rigid.HeavyTop) and bool(np.all(scene.mgl))
     if name == "growth of rates":
         return forces <= {"damping"}
     return name != "too long steps" or forces <= {"torque", "damping"}

@@ -64,6 +64,9 @@ class Varied:
 def make_varied(vary: object) -> tuple[Varied, ...]:
     """The varied parameters of an argument ``vary``, a dict of names and distributions.
 
+    They are in the order of their names, whatever the order in the dict: a parameter is drawn by
+    its place, and a file may keep the entries of a dict in another order.
+
     Raises
     ------
     TypeError, ValueError
@@ -91,7 +94,7 @@ def make_varied(vary: object) -> tuple[Varied, ...]:
                 f"vary[{name!r}] = {given}: must be rigid.normal(size), rigid.uniform(size), with "
                 "one size, or rigid.uniform(low, high)"
             )
-    return tuple(Varied(name, noise) for name, noise in vary.items())
+    return tuple(Varied(name, noise) for name, noise in sorted(vary.items()))
 
 
 def _is_of_body(row: Parameter) -> bool:

@@ -17,7 +17,7 @@ from .batch import ByValue, Index, Shape, axes_of, batch_shape, frozen, taken
 from .forces import FORCES
 from .frame import turned
 from .function import NO_STATES, TorqueFunction
-from .sampled import Sampled, linear, on_piece, reached
+from .sampled import Sampled, linear, on_piece
 
 Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
@@ -353,8 +353,8 @@ class Torque(ByValue):
         >>> ramp.at([1.0, 2.0])[0][:, 2].tolist()
         [0.5, 1.0]
         """
-        times = reached("torque", self.times, t)
-        body, space = (linear(self.times, part, times) for part in (self.in_body, self.in_space))
+        parts = (self.in_body, self.in_space)
+        body, space = (linear("torque", self.times, part, t) for part in parts)
         return body, space
 
     def words(self) -> str:

@@ -55,10 +55,10 @@ class Row:
         Angle between the last attitude and the true one (rad), of the worst body; at least the
         uncertainty of the reference, infinite if none is known.
     energy_drift, momentum_drift : float
-        As in :class:`rigid.Run`, worst of the ensemble: of the last state, or, in a report over
-        revolutions, of states on the way. There the momentum of a body without torque, damping and
-        other forces is that in space; of a top, its component along the vertical, and that along
-        the axis of a symmetric top.
+        As in :class:`rigid.Run`, worst of the ensemble, infinite if not known: of the last state,
+        or, in a report over revolutions, of states on the way. There the momentum of a body without
+        torque, damping and other forces is that in space; of a top, its component along the
+        vertical, and that along the axis of a symmetric top.
     order : float or None
         Measured order: slope from the row before, if both errors are well above rounding and below
         0.1.

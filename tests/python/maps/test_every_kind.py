@@ -88,7 +88,10 @@ def test_a_map_in_a_store_has_the_same_bytes(
     for part in ("2/2", "1/2"):
         stored = small_map(**KINDS[kind][0], store=tmp_path / "run", part=part)
     stored = small_map(**KINDS[kind][0], store=tmp_path / "run")
+    assert stored.complete
     assert saved_bytes(stored, tmp_path) == saved_bytes(result, tmp_path)
+    assert stored.receipt()["fingerprint"] == result.receipt()["fingerprint"]
+    assert np.isfinite(stored.nanoseconds[stored.status == 0]).all()
     assert rigid.open_store(tmp_path / "run", **of_files(kind)).verify(1.0).ok
 
 

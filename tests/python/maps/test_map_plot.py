@@ -1,5 +1,6 @@
 """The picture of a map: what is drawn is what was computed, where it belongs, and named."""
 
+import sys
 from typing import Any
 
 import matplotlib as mpl
@@ -14,6 +15,8 @@ from matplotlib.patches import PathPatch
 
 import rigid
 from processes import python_process
+from rigid.drawing.along import SIZE, _broken, write_along
+from rigid.maps.contours import zero_lines
 from rigid.maps.data import FAILURES
 from rigid.maps.page import content_of_map
 from small_maps import Floats, small_map, spec_of
@@ -343,7 +346,7 @@ def test_a_line_hatches_impossible_bodies() -> None:
 # Manners
 
 
-def test_no_global_state_is_touched(result: rigid.StabilityMap) -> None:
+def test_no_global_state_is_touched() -> None:
     code = (
         "import sys, matplotlib, rigid\n"
         "def settings():  # to ask for the backend would load one\n"
@@ -359,23 +362,17 @@ def test_no_global_state_is_touched(result: rigid.StabilityMap) -> None:
     python_process(code, DISPLAY="", MPLBACKEND="")
 
 
-def test_without_matplotlib_it_is_said_what_is_missing() -> None:
-    code = (
-        "import sys; sys.modules['matplotlib'] = sys.modules['matplotlib.figure'] = None\n"
-        "sys.modules['xarray'] = None\n"
-        "import rigid\n"
-        "result = rigid.stability_map(rigid.FreeBody, axes={'spin': [1.0, 2.0]}, samples=2,\n"
-        "    t_end=1.0, stable=rigid.no_flip(), progress=False)\n"
-        "for ask in (result.plot, result.to_xarray):\n"
-        "    try:\n"
-        "        ask()\n"
-        "    except ImportError as error:\n"
-        "        print(error)\n"
-    )
-    assert python_process(code).stdout.splitlines() == [
-        "plotting needs matplotlib: pip install 'rigid-rotation[maps]'",
-        "to_xarray() needs xarray: pip install 'rigid-rotation[maps]'",
-    ]
+def test_without_matplotlib_it_is_said_what_is_missing(
+    result: rigid.StabilityMap, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module, ask, needs in (
+        ("matplotlib.figure", result.plot, "plotting needs matplotlib"),
+        ("xarray", result.to_xarray, "to_xarray() needs xarray"),
+    ):
+        monkeypatch.setitem(sys.modules, module, None)
+        with pytest.raises(ImportError) as caught:
+            ask()
+        assert str(caught.value) == f"{needs}: pip install 'rigid-rotation[maps]'"
 
 
 def test_drawing_a_large_map_takes_no_loop_over_its_pixels() -> None:
@@ -424,3 +421,110 @@ def test_a_map_of_chaos_shows_the_growth_bright_where_it_is_small(what: str) -> 
             t_end=1.0,
             samples=1,
         ).plot(what=what)
+
+
+# Names of lines of theory: beside their line, rotated as it is, and over no other line
+
+
+DPI = 100
+EM = SIZE / 72.0 * DPI
+"""Size of the font (pixels)."""
+
+
+def unit_square(size: tuple[float, float] = (6.4, 5.2)) -> Axes:
+    ax = Figure(figsize=size, dpi=DPI).add_subplot()
+    ax.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+    return ax
+
+
+def pixels(ax: Axes, points: Any) -> Floats:
+    return np.asarray(ax.transData.transform(points))
+
+
+def line(slope: float, height: float) -> Floats:
+    x = np.linspace(0.0, 1.0, 50)
+    return np.stack([x, height + slope * x], axis=1)
+
+
+@pytest.mark.parametrize("size", [(6.4, 5.2), (3.2, 2.6)])
+def test_a_name_lies_beside_its_line_and_over_no_other(size: tuple[float, float]) -> None:
+    ax = unit_square(size)
+    own, other = line(0.8, 0.0), line(0.8, 0.13)
+    ends = write_along(ax, "a line", [own], [other])
+    assert ends is not None
+    (name,) = ax.texts
+    first, last = pixels(ax, ends)
+    begin, end = pixels(ax, [own[0], own[-1]])
+    along = (end - begin) / np.hypot(*(end - begin))
+    across = np.array([-along[1], along[0]])
+    # Half a line of text from its own line; the name's height is 1.25 font sizes.
+    assert abs((first - begin) @ across) == pytest.approx(0.625 * EM, rel=1e-6)
+    assert (last - first) @ across == pytest.approx(0.0, abs=1e-6)
+    assert name.get_rotation() == pytest.approx(np.degrees(np.arctan2(*along[::-1])), abs=1e-9)
+    assert abs((first - pixels(ax, other[0])) @ across) > 0.625 * EM
+
+
+def test_names_of_crossing_lines_do_not_overlap() -> None:
+    ax = unit_square()
+    lines = {"rising": line(1.0, 0.0), "falling": line(-1.0, 1.0), "level": line(0.0, 0.5)}
+    written: list[Floats] = []
+    for name, own in lines.items():
+        others = [other for other in lines.values() if other is not own]
+        ends = write_along(ax, name, [own], others + written)
+        assert ends is not None
+        written.append(ends)
+    middles = [pixels(ax, np.linspace(ends[0], ends[1], 30)) for ends in written]
+    for k, one in enumerate(middles):
+        for other in middles[:k]:
+            assert np.hypot(*(one[:, np.newaxis] - other).transpose(2, 0, 1)).min() > EM
+
+
+def test_a_name_without_a_straight_stretch_is_not_written() -> None:
+    """The circle has 0.04 x 500 pixels of radius, a name of eight letters needs 50 in a row."""
+    ax = unit_square()
+    turn = np.linspace(0.0, 2.0 * np.pi, 90)
+    circle = 0.5 + 0.04 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    assert write_along(ax, "aname" * 6, [circle], []) is None
+    assert not ax.texts
+
+
+def test_a_long_name_is_broken_but_no_formula_and_no_time() -> None:
+    assert list(_broken("passes $a + b = c$ by t = 40 s")) == [
+        "passes $a + b = c$ by t = 40 s",
+        "passes $a + b = c$\nby t = 40 s",
+        "passes\n$a + b = c$ by\nt = 40 s",
+    ]
+
+
+# Lines where a field is zero, for the lines of theory in pages
+
+
+def test_a_circle_is_one_closed_line() -> None:
+    h = 0.05
+    x, y = np.arange(-30, 31) * h, np.arange(-25, 26) * h
+    (line,) = zero_lines(x, y, x**2 + y[:, np.newaxis] ** 2 - 1.0)
+    assert (line[0] == line[-1]).all()
+    # The field has the second derivative 2: it is off a chord by up to h²/4, and its slope is 2.
+    assert np.abs(np.hypot(*line.T) - 1.0).max() <= h * h / 8.0
+    angles = np.unwrap(np.arctan2(*line.T))
+    assert abs(angles[-1] - angles[0]) == pytest.approx(2.0 * np.pi)
+
+
+def test_a_line_ends_at_the_edges_and_where_the_field_is_unknown() -> None:
+    x, y = np.linspace(-1.0, 1.0, 21), np.linspace(0.0, 2.0, 41)
+    field = np.tile(x - 0.33, (41, 1))
+    field[20] = np.nan
+    first, second = sorted(zero_lines(x, y, field), key=lambda line: line[:, 1].min())
+    np.testing.assert_allclose(np.concatenate([first, second])[:, 0], 0.33, rtol=1e-15)
+    assert {0.0, y[19]} == {*first[[0, -1], 1]}
+    assert {y[21], 2.0} == {*second[[0, -1], 1]}
+
+
+def test_hyperbolas_do_not_meet() -> None:
+    x = np.linspace(-2.0, 2.0, 41)
+    lines = zero_lines(x, x, x * x[:, np.newaxis] - 0.1)
+    assert len(lines) == 2
+    # Each branch lies on one side, and x y is linear along every side of the grid.
+    assert [len({*np.sign(line[:, 0])}) for line in lines] == [1, 1]
+    for line in lines:
+        np.testing.assert_allclose(np.prod(line, axis=1), 0.1, rtol=1e-13)
