@@ -116,6 +116,11 @@ SCENES: dict[str, Scenes] = {
     "top": lambda mass, time: rigid.HeavyTop(
         _one((1.0, 1.5, 2.0), mass), mgl=3.0 * mass / time**2, com=(0.48, -0.64, 0.6)
     ),
+    "driven": lambda mass, time: rigid.FreeBody(
+        _one((1.0, 1.625, 0.75), mass),
+        damping=0.25 * mass / time,
+        torque=rigid.Torque.body(mass / time**2 * np.array([0.5, 0.0, 0.25])),
+    ),
     "free bodies": lambda mass, _: rigid.FreeBody(_many(mass)),
     "tops": lambda mass, time: rigid.HeavyTop(
         _many(mass), mgl=mass / time**2 * np.where(SOME, SHARES, 0.0) * SIZE, com=AXES
@@ -245,6 +250,10 @@ Door = Callable[[Scene, Any, float, float, int], list[dict[str, Any]]]
 DOORS: dict[str, Door] = {
     **{m.name: partial(simulated, method=m.name, step=0.05, check=False) for m in METHODS},
     "etd4": partial(simulated, method="etd4", step=0.05, check=False),
+    **{
+        f"{name} in checked steps": partial(simulated, method=name)
+        for name in ("rk4", "dop853", "etd4", "splitting", "midpoint", "taylor16")
+    },
     "chosen method": simulated,
     "an accuracy": partial(simulated, accuracy=1e-6),
     "an accuracy of a method": partial(simulated, accuracy=1e-7, method="dop853"),
