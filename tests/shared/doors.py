@@ -54,7 +54,7 @@ def _driven(mass: float, time: float) -> Scene:
     unit = mass / time**2
     table = unit * AXES[:, None] * SIZE[:, None, None] * [[0.0], [0.2], [0.1]]
     pushed = unit * np.where(SOME, SIZE, 0.0)[:, None] * [0.1, 0.0, 0.2]
-    torque = rigid.Torque.body(table, times=time * np.array([-1.0, 0.5, 6.0]))
+    torque = rigid.Torque.body(table, times=time * np.array([-2.0, 0.5, 6.0]))
     return rigid.HeavyTop(
         _many(mass),
         mgl=unit * SHARES * SIZE,
