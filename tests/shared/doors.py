@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import rigid
-from physics import METHODS, Floats
+from physics import METHODS, Floats, moves
 from rigid.model.scene import Scene
 from rigid.solve.columns import Column
 
@@ -287,7 +287,7 @@ def opens(name: str, scene: Scene) -> bool:
     words, forces = set(name.split()), set(scene.forces)
     method = next((m for m in rigid.methods() if m.name in words), None)
     if method is not None:
-        return forces <= set(method.forces) and (method.tops or not scene.directions)
+        return moves(method, scene)
     if "function" in forces:
         return name == "motion"  # the others take seconds in Python
     if "splittings" in words:
