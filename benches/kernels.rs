@@ -7,6 +7,7 @@
 mod timing;
 
 use rigid::body::Body;
+use rigid::forces::BodyForces;
 use rigid::kernel::{Compiled, Entry, ForcesRows, Group, Kernel, KernelAssignment, System, load};
 use rigid::method::{self, EngineName};
 use rigid::observe::{Deviation, Observed, Tilt};
@@ -38,7 +39,11 @@ fn bodies(compiled: Compiled) -> Option<Group> {
         let assignment = assignments.into_iter().find(|assignment| assignment.step == kernel.step)?;
         let mut deviation = Deviation::new([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
         deviation.inverse_scale = [1.0; 3];
-        let entry = Entry { axis: 3, deviation, ..Entry::unobserved(&body, None, 0.02) };
+        let entry = Entry {
+            axis: 3,
+            deviation,
+            ..Entry::unobserved(&body, BodyForces::NONE, (0.0, None), None, 0.02)
+        };
         load(&mut group, lane, compiled, assignment, &entry);
     }
     Some(group)

@@ -156,6 +156,27 @@ def stepper() -> Iterator[Row]:
     yield "Motion.step, one body, torque changing", float(np.median(seconds)) * 1e4, "µs", "<= 5"
 
 
+def frames() -> Iterator[Row]:
+    omega = rates(sized(2000, 20))
+    moments = 1.0 + np.random.default_rng(2).uniform(size=omega.shape)
+    for words, some in (("all", slice(None)), ("one", slice(1))):
+        motion = rigid.Motion(rigid.Body(moments), omega, threads=1)
+
+        def frame(motion: rigid.Motion = motion, some: slice = some) -> Moved:
+            start = motion.omega
+            turned = start.copy()
+            turned[some] *= -1.0
+            motion.omega = turned
+            motion.step(1 / 64)
+            return motion.omega, start
+
+        (seconds,) = in_turns(
+            {"frame": frame}, lambda found: moved(*found), repeats=sized(21, 1), calls=sized(20, 2)
+        ).values()
+        row = f"Motion of 2000 different bodies: rates of {words} set, and a step"
+        yield row, float(np.median(seconds)) * 1e3, "ms", "<= 1"
+
+
 def checked_accuracy() -> Iterator[Row]:
     omega = chosen_methods.cloud(2.6, sized(4096, 64))
     asked = chosen_methods.compared(omega, sized(20.0, 2.0), 1e-6)[-1]
@@ -284,6 +305,7 @@ ROWS: dict[str, Callable[[], Iterator[Row]]] = {
     "memory": memory,
     "inertia": own_inertia,
     "stepper": stepper,
+    "frames": frames,
     "accuracy": checked_accuracy,
     "map": map_check,
     "numba": against_numba,

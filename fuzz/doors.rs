@@ -247,7 +247,7 @@ fn map(numbers: &mut Bytes) {
                 Criterion::RegularAttitude(rule),
             ]),
         }],
-        logic: Logic::single(),
+        logic: Logic::parse("0", 1).unwrap(),
         measures: Vec::new(),
         t_end: numbers.number(),
         step: (numbers.below(2) == 0).then(|| numbers.number()),
@@ -311,9 +311,9 @@ fn forcing_and_axes(numbers: &mut Bytes) {
     let forces = all.of(0);
     let body = numbers.body(&FREE);
     let time = numbers.number();
-    forces.damping.modes(body.moments);
+    let modes = forces.damping.modes(body.moments);
     if forces.table.check_reaches(time).is_ok() {
-        forces.interval(time, numbers.below(2) == 0, body.moments);
+        forces.interval(time, numbers.below(2) == 0, modes);
         forces.table.next_knot(time, numbers.below(2) == 0);
     }
     if let AnyMethod::Steps(method) = numbers.method() {

@@ -71,12 +71,6 @@ pub enum Error {
         /// The valid values.
         known: String,
     },
-    /// A quaternion of length zero.
-    #[error("attitude[{index}] = [0.0, 0.0, 0.0, 0.0]: a zero quaternion is no attitude")]
-    ZeroQuaternion {
-        /// Index of the row.
-        index: usize,
-    },
     /// A number outside its range.
     #[error("{argument} = {value}: {rule}")]
     Value {

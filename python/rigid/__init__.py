@@ -58,13 +58,9 @@ from .model.measures import (
     time_to_settle,
 )
 from .model.mixture import Mixture, mixture
-from .model.orbit import Orbit, OrbitTable
-from .model.sampled import RotorTable
-from .model.scene import FreeBody, HeavyTop
-from .model.start import (
+from .model.noise import (
     Noise,
     Samples,
-    Start,
     direction,
     normal,
     samples,
@@ -72,6 +68,10 @@ from .model.start import (
     uniform_attitude,
     von_mises_fisher,
 )
+from .model.orbit import Orbit, OrbitTable
+from .model.sampled import RotorTable
+from .model.scene import FreeBody, HeavyTop
+from .model.start import Start
 from .model.torque import Torque
 from .planning import plan
 from .reports.compute import report
@@ -93,9 +93,9 @@ from .solve.methods import Method, methods
 from .solve.motion import Motion
 from .solve.plan import Plan
 from .solve.run import OrbitStates, Run, load_run
-from .solve.sensitivity import condition
 from .solve.simulate import simulate
 from .solve.status import Status
+from .solve.tangent import condition
 from .store.call import stability_map
 from .store.result import StabilityMap, load_map
 

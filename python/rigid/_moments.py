@@ -9,9 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._checks.arguments import brief, first_place, shaped
+from ._checks.arrays import Floats
 from ._checks.warned import warn_caller
-
-Floats = NDArray[np.float64]
 
 MEASURED = 1e-2
 """Largest excess of a moment over the sum of the others, as a share of it, that passes for the

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ._checks.arrays import finite_array, require
+from ._checks.arrays import Floats, finite_array, require
 from ._checks.overflow import refuses_overflow
 from .free import symmetric_free_top
 
@@ -24,7 +24,6 @@ __all__ = [
     "wobble",
 ]
 
-Floats = NDArray[np.float64]
 
 SOLAR_DAY = 86400.0
 """The mean solar day (s), from noon to noon."""

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, shaped, together, vector
+from ._checks.arrays import Floats
 from ._checks.overflow import refuses_overflow
 from ._moments import possible_tensor
 
@@ -28,7 +29,6 @@ __all__ = [
     "two_plane_balance",
 ]
 
-Floats = NDArray[np.float64]
 
 BALANCE = 1e-9
 """Relative size, to the moments or the gyration radius, below which an imbalance counts as none."""

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ._checks.arguments import finite_float, shaped, together, vectors
+from ._checks.arrays import Floats
 from ._checks.overflow import refuses_overflow
 
 __all__ = [
@@ -28,7 +29,6 @@ __all__ = [
     "transport",
 ]
 
-Floats = NDArray[np.float64]
 
 _ZERO = (0.0, 0.0, 0.0)
 

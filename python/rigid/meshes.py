@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, first_place, one_line, one_of, shaped
+from ._checks.arrays import Floats
 from ._checks.extras import install_extra
 from ._checks.overflow import refuses_overflow
 from ._checks.quantities import LARGE_SIDE, LEAST_DENSITY, plain
@@ -28,7 +29,6 @@ from .rotations import quaternion_to_matrix
 
 __all__ = ["file_properties", "mesh_properties", "read_mesh"]
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _SLIVER = 1e-14

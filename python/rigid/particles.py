@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, positive_int, shaped, sorted_times, together, vectors
+from ._checks.arrays import Floats
 from ._checks.overflow import refuses_overflow
 from ._checks.quantities import plain
 from .model.body import Body, require_one
@@ -46,7 +47,6 @@ __all__ = [
     "velocity_field",
 ]
 
-Floats = NDArray[np.float64]
 Counts = NDArray[np.intp]
 
 RANK = 1e-9

@@ -6,10 +6,11 @@ import dataclasses
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import brief, finite_float, one_of, positive_int
 from ._checks.arrays import AttitudeLike
+from ._timing import LEAST_SHARE, LEAST_STEPS, seconds_of_one
 from .maps.job import to_core
 from .maps.plan import map_plan, of_one_pixel, shortened
 from .maps.spec import MapSpec
@@ -19,7 +20,6 @@ from .model.criterion import Criterion
 from .model.mixture import Mixture
 from .model.scene import Scene, check_scene
 from .model.start import Start
-from .solve.arrays import spread_indices
 from .solve.bodies import bodies_of
 from .solve.choose_method import plan_states
 from .solve.closed_form import RECORDS
@@ -28,7 +28,6 @@ from .solve.plan import Plan
 from .solve.request import Problem
 from .solve.run import Run
 from .solve.simulate import simulate
-from .solve.timing import LEAST_SHARE, LEAST_STEPS, seconds_of_one
 from .store.call import run_map
 
 SAMPLES = 1000
@@ -200,7 +199,7 @@ def _timed_states(made: Plan, problem: Problem) -> Plan:
 
     def run(count: int, share: float) -> Run:
         # Fewer bodies than the call has are repeated.
-        part = problem.select(np.resize(spread_indices(len(bodies), count), count))
+        part = problem.select(np.resize(_spread_indices(len(bodies), count), count))
         own, row = part.bodies, 0 if alone else slice(None)
         assert own is not None
         return simulate(
@@ -236,3 +235,10 @@ def _timed_map(made: Plan, spec: MapSpec, samples: int) -> Plan:
 
     seconds, _ = seconds_of_one(run, samples)
     return dataclasses.replace(made, cost=1e9 * seconds)
+
+
+def _spread_indices(count: int, most: int) -> NDArray[np.intp]:
+    """At most ``most`` indices below ``count``, evenly spread, the last one among them."""
+    # From the last to the first: a single one is the last.
+    spread = (count - 1) - np.linspace(0, count - 1, min(count, most))
+    return np.unique(spread.round().astype(np.intp))

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, numbers, shaped, sorted_times, vector
+from ._checks.arrays import Floats
 from ._checks.quantities import plain
 from .model.body import Body
 from .model.scene import FreeBody
@@ -22,7 +23,6 @@ from .solve.simulate import simulate
 
 __all__ = ["Law", "Modes", "PairSystem", "SpringPath", "pair_system", "spring_body"]
 
-Floats = NDArray[np.float64]
 Counts = NDArray[np.intp]
 
 Law = Callable[[Floats], tuple[Floats, Floats, Floats]]

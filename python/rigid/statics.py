@@ -56,11 +56,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, shaped, together
+from ._checks.arrays import Floats
 from ._checks.overflow import refuses_overflow
 
 __all__ = ["Equilibrant", "Equilibrium", "Wrench", "equilibrant", "equilibrium", "wrench"]
 
-Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 BALANCE = 1e-9

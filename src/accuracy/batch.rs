@@ -184,8 +184,8 @@ impl<'a> Batch<'a> {
             Some(longest) => Cow::Borrowed(longest),
             None => Cow::Owned(self.longest_steps(solver.method)?),
         };
-        let effort = simulate_into(&self.request(solver, &steps, refinement), states, threads, isa, stop)?;
-        nanoseconds.set(nanoseconds.get() + effort.nanoseconds);
+        let passed = simulate_into(&self.request(solver, &steps, refinement), states, threads, isa, stop)?;
+        nanoseconds.set(nanoseconds.get() + passed);
         Ok(())
     }
 

@@ -20,7 +20,7 @@ use crate::memory;
 use crate::method::{Method, SERIES};
 use crate::parallel::Interrupt;
 use crate::simd::Isa;
-use crate::trajectory::{Effort, Request, StatesPart};
+use crate::trajectory::{Request, StatesPart};
 use batch::{Batch, Job, Solver, picked};
 use comparison::{Coarser, Rows, estimate, with_phase_errors, write};
 use second_run::{
@@ -77,8 +77,8 @@ pub struct Solved {
 
 impl Solved {
     /// Of a run without estimates.
-    pub fn unjudged(effort: Effort) -> Self {
-        Solved { estimates: Vec::new(), by_series: Vec::new(), nanoseconds: effort.nanoseconds }
+    pub fn unjudged(nanoseconds: u64) -> Self {
+        Solved { estimates: Vec::new(), by_series: Vec::new(), nanoseconds }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::table::{self, Knot, Samples};
 use super::{
-    AtStart, Damping, FEWEST_STEPS, Further, MOST_STATES, Rotor, Table, TorqueCall, TorqueCalls,
+    AtStart, Damping, FEWEST_STEPS, Further, MOST_STATES, Modes, Rotor, Table, TorqueCall, TorqueCalls,
     TorqueFunction, Trajectory, part,
 };
 use crate::error::Error;
@@ -341,6 +341,14 @@ impl Forces {
         Ok(forces)
     }
 
+    /// The same with a trajectory that is another by its doubt: for a second run whose rounding does not matter.
+    ///
+    /// # Errors
+    /// As `of_some`.
+    pub fn doubted(&self) -> Result<Forces, Error> {
+        Ok(Forces { doubt: self.doubt + 1.0, ..self.copied()? })
+    }
+
     /// The forces on neighbouring bodies; `None` if all have the same.
     ///
     /// # Errors
@@ -465,10 +473,10 @@ impl<'a> BodyForces<'a> {
         self.further.acts_in_space() || self.function.is_some() || self.table.acts_in_space()
     }
 
-    /// The forces without functions on a body with these moments from a time to the next knot, forward or backward.
-    pub fn interval(&self, time: f64, backward: bool, moments: [f64; 3]) -> ForcesInterval<'static, f64> {
+    /// The forces without functions on a body whose damping has these modes, from a time to the next knot, forward or
+    /// backward.
+    pub fn interval(&self, time: f64, backward: bool, (rates, modes): Modes) -> ForcesInterval<'static, f64> {
         let [[body, body_slope], [space, space_slope]] = self.table.torques(time, backward);
-        let (rates, modes) = self.damping.modes(moments);
         let (mut further, mut rotor_change) = (*self.further, [0.0; 3]);
         if let Some([momentum, change]) = self.table.momentum(time, backward) {
             (further.rotor, rotor_change) = (Rotor(momentum), change);
@@ -602,7 +610,7 @@ mod tests {
         let forces = Forces::new(&[], &torques, &none, &[strong]).unwrap();
         assert_eq!(forces.bodies(), 3);
         for (body, torque) in torques.into_iter().enumerate() {
-            let interval = forces.of(body).interval(0.0, false, [1.0; 3]);
+            let interval = forces.of(body).interval(0.0, false, Damping(strong).modes([1.0; 3]));
             assert_eq!((interval.body[0], interval.damping), (torque, strong));
         }
         let some = forces.of_some(&[2, 0]).unwrap();
@@ -620,7 +628,9 @@ mod tests {
         let torque = [[1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [7.0, 0.0, 0.0], [7.0, 0.0, 0.0]];
         let forces = Forces::new(&[0.0, 2.0, 2.0, 4.0], &torque, &[[0.0; 3]; 4], &[[0.0; 6]]).unwrap();
         let forces = forces.of(0);
-        let at = |time, backward| forces.interval(time, backward, [1.0; 3]).body.map(|x| x[0]);
+        let at = |time, backward| {
+            forces.interval(time, backward, Damping::NONE.modes([1.0; 3])).body.map(|x| x[0])
+        };
         assert_eq!(at(0.0, false), [1.0, 1.0]);
         assert_eq!(at(1.0, false), [2.0, 1.0]);
         assert_eq!(at(2.0, false), [7.0, 0.0]);

@@ -7,6 +7,9 @@ use crate::real::Real;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Damping(pub [f64; 6]);
 
+/// The eigenvalues of `I^(-1/2) D I^(-1/2)`, and its eigenvectors as columns.
+pub type Modes = ([f64; 3], [[f64; 3]; 3]);
+
 /// Subtracts a damping matrix times `omega` from `sum`.
 #[inline(always)]
 pub fn damp<R: Real>(matrix: &[R; 6], [w1, w2, w3]: [R; 3], sum: &mut [R; 3]) {
@@ -68,16 +71,16 @@ impl Damping {
 
     /// Damping rates of a body with these moments without torque, ascending: the eigenvalues of `I^(-1/2) D I^(-1/2)`.
     pub fn rates(&self, moments: [f64; 3]) -> [f64; 3] {
-        if self.0 == [0.0; 6] {
-            return [0.0; 3];
-        }
-        let mut rates = self.modes(moments).0;
+        let (mut rates, _) = self.modes(moments);
         rates.sort_by(f64::total_cmp);
         rates
     }
 
-    /// The eigenvalues of `I^(-1/2) D I^(-1/2)`, and its eigenvectors as columns.
-    pub fn modes(&self, moments: [f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
+    /// The modes of a body with these moments.
+    pub fn modes(&self, moments: [f64; 3]) -> Modes {
+        if self.is_none() {
+            return eigen([[0.0; 3]; 3]);
+        }
         let mut scaled = self.matrix();
         for i in 0..3 {
             for k in 0..3 {
@@ -100,7 +103,7 @@ impl Damping {
 
 /// Eigenvalues and eigenvectors (columns) of a symmetric matrix, by plane rotations (Jacobi 1846). Only arithmetic
 /// and roots are used, so that the bits are equal on all machines.
-fn eigen(mut a: [[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
+fn eigen(mut a: [[f64; 3]; 3]) -> Modes {
     let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     // Convergence is quadratic: the off-diagonal part of any matrix vanishes after five or six sweeps.
     for _ in 0..12 {

@@ -22,7 +22,7 @@ mod table;
 mod trajectory;
 
 pub use bodies::{BodyForces, Forces, ForcesInterval, ParameterChange};
-pub use damping::{Damping, damp};
+pub use damping::{Damping, Modes, damp};
 pub use dissipation::Dissipation;
 pub use drag::Drag;
 pub use function::{

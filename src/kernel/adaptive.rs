@@ -68,17 +68,16 @@ const LEAST_FACTOR: f64 = 0.2;
 const LARGEST_FACTOR: f64 = 6.0;
 const SAFETY: f64 = 0.9;
 
-/// Advances every lane by adaptive steps until one lane reaches its `next` time; returns the number of rounds, at most
-/// `most`, in each of which a lane makes a step unless its error is too large. A block also ends if the state of a lane is
-/// not a number: the time of the lane is then NaN.
+/// Advances every lane by adaptive steps until one lane reaches its `next` time, in at most `most` rounds, in each of which
+/// a lane makes a step unless its error is too large. A block also ends if the state of a lane is not a number: the time of
+/// the lane is then NaN.
 #[inline(always)]
 pub fn adaptive_block<P: Pack, const PACKS: usize, M, L, S, const D: usize>(
     g: &mut Group,
     l: &mut AdaptiveSteps,
     bodies: &mut [(Parameters<P>, S); PACKS],
     most: usize,
-) -> usize
-where
+) where
     M: Model<P>,
     L: Layout,
     S: Engine<P, M, L, D>,
@@ -90,10 +89,9 @@ where
             reached |= step::<P, M, L, S, D>(g, l, &mut bodies[b].1, b * P::LANES, done == most);
         }
         if reached {
-            return done;
+            return;
         }
     }
-    most
 }
 
 /// Advances the pack that begins at a lane by one step; whether a lane has reached its `next` time.

@@ -52,9 +52,9 @@ fn write_columns<R: Quad, L: Layout>(columns: &Columns<R>, rows: &mut [Row; MAX_
     }
 }
 
-/// The engine of the body.
+/// The engine of the body in the first lane.
 #[inline(always)]
-fn engine<R: Quad, M: Model<R>, L: Layout, const D: usize>(
+pub fn engine_alone<R: Quad, M: Model<R>, L: Layout, const D: usize>(
     g: &Group,
     forces: &ForcesRows,
     numbers: &'static Numbers,
@@ -73,17 +73,15 @@ fn engine<R: Quad, M: Model<R>, L: Layout, const D: usize>(
     <Taylor<R, M> as Engine<R, M, L, D>>::new(&p, &interval, numbers)
 }
 
-/// Advances the body in the first lane by adaptive steps until it reaches its `next` time; returns the number of steps,
-/// at most `most`. See `adaptive_block`.
+/// Advances the body in the first lane by adaptive steps, at most `most`, until it reaches its `next` time. See
+/// `adaptive_block`.
 #[inline(always)]
 pub fn adaptive_alone<R: Quad, M: Model<R>, L: Layout, const D: usize>(
     g: &mut Group,
-    forces: &ForcesRows,
     l: &mut AdaptiveSteps,
+    engine: &Taylor<R, M>,
     most: usize,
-    numbers: &'static Numbers,
-) -> usize {
-    let engine = engine::<R, M, L, D>(g, forces, numbers);
+) {
     let (zero, one, tolerance) = (R::splat(0.0), R::splat(1.0), R::splat(l.tolerance));
     let (next, end, direction) = (first::<R>(&l.next), first::<R>(&l.end), first::<R>(&l.direction));
     let scales = one.with_last(first(&l.inverse_rate));
@@ -142,7 +140,6 @@ pub fn adaptive_alone<R: Quad, M: Model<R>, L: Layout, const D: usize>(
     l.trial.0[0] = step.first();
     g.step.0[0] = step.first();
     g.count.0[0] += done as f64;
-    done
 }
 
 /// ln of the tolerance over the largest number of a term, the same in all lanes; see `step_bound`.

@@ -60,7 +60,7 @@ impl Compiled {
         forces: &ForcesRows,
         lanes: &mut AdaptiveSteps,
         most: usize,
-    ) -> usize {
+    ) {
         let alone = self.code.alone.filter(|_| group.is_of_one());
         let adaptive = alone.or(self.code.adaptive).expect("only series choose their steps");
         // SAFETY: as above.

@@ -70,18 +70,20 @@ pub struct Entry<'a> {
 }
 
 impl<'a> Entry<'a> {
-    /// A body that is not observed, with a bound of |omega| if forces act.
-    pub fn unobserved(body: &'a Body, forced_rate: Option<f64>, step: f64) -> Self {
+    /// A body that is not observed, with the variables that these forces need at a time, or at a place on its orbit whose
+    /// anomaly takes the place of the time. With a bound of |omega| the scales of the drifts are those of a forced body.
+    pub fn unobserved(
+        body: &'a Body,
+        acting: BodyForces,
+        (time, place): (f64, Option<OrbitPlace>),
+        forced_rate: Option<f64>,
+        step: f64,
+    ) -> Self {
         static NO_FORCES: OnceLock<ForcesInterval<'static, f64>> = OnceLock::new();
         let forces = forced_rate.map(|rate| (NO_FORCES.get_or_init(ForcesInterval::none), rate));
-        let (own, states) = (Further::NONE.start(0.0), [0.0; MOST_STATES]);
-        Entry { body, forces, axis: 0, step, own, states, place: None, deviation: Deviation::NONE }
-    }
-
-    /// The same with the variables that these forces need, of a body on an orbit those of its place.
-    pub fn under(self, forces: BodyForces, place: Option<OrbitPlace>) -> Self {
-        let own = place.map_or_else(|| forces.further.start(0.0), |place| place.clock());
-        Entry { own, states: forces.states(), place, ..self }
+        let own = place.map_or_else(|| acting.further.start(time), |place| place.clock());
+        let (states, deviation) = (acting.states(), Deviation::NONE);
+        Entry { body, forces, axis: 0, step, own, states, place, deviation }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The list of kernels: systems and engines, and the code of each pair that a method can request.
 
 use super::adaptive::{AdaptiveSteps, adaptive_block, dense_output};
-use super::alone::adaptive_alone;
+use super::alone::{adaptive_alone, engine_alone};
 use super::group::{ForcesRows, Group, MAX_STATE};
 use super::step::{invariants, prepared, process, step_block};
 use crate::forces::ForceSet;
@@ -32,7 +32,7 @@ pub struct Kernel {
 }
 
 /// Advances all lanes by adaptive steps; see `adaptive_block`.
-type Adaptive = unsafe fn(&mut Group, &ForcesRows, &mut AdaptiveSteps, usize, &'static Numbers) -> usize;
+type Adaptive = unsafe fn(&mut Group, &ForcesRows, &mut AdaptiveSteps, usize, &'static Numbers);
 /// A state of one lane inside its last step; see `dense_output`.
 type Dense = unsafe fn(&AdaptiveSteps, usize, f64, &'static Numbers) -> [f64; MAX_STATE];
 
@@ -103,7 +103,7 @@ macro_rules! entry_points {
                     l: &mut AdaptiveSteps,
                     most: usize,
                     numbers: &'static Numbers,
-                ) -> usize {
+                ) {
                     let mut bodies = prepared::<P, PACKS, M, L, S, D>(g, forces, numbers);
                     adaptive_block::<P, PACKS, M, L, S, D>(g, l, &mut bodies, most)
                 }
@@ -168,8 +168,9 @@ macro_rules! entry_points {
                 l: &mut AdaptiveSteps,
                 most: usize,
                 numbers: &'static Numbers,
-            ) -> usize {
-                adaptive_alone::<R, M, L, D>(g, forces, l, most, numbers)
+            ) {
+                let engine = engine_alone::<R, M, L, D>(g, forces, numbers);
+                adaptive_alone::<R, M, L, D>(g, l, &engine, most)
             }
 
             /// Adaptive steps of a body whose directions stand side by side. With one direction nothing is gained.

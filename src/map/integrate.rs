@@ -6,7 +6,7 @@ use super::regular::{self, Checkpoints};
 use super::{Class, Observation, OnOrbit, Outcome, STEP_BLOCK};
 use crate::body::Body;
 use crate::error::Error;
-use crate::forces::{BodyForces, ForcesInterval, OrbitPlace};
+use crate::forces::{BodyForces, ForcesInterval, Modes, OrbitPlace};
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, Kernel, drive, load, reset_time};
 use crate::memory;
 use crate::observe::{Bound, Deviation, EXIT_TIME, Observed};
@@ -27,6 +27,8 @@ struct LaneTask {
     checkpoints: Option<Checkpoints>,
     /// Its leg, if it is under a table.
     leg: Option<Leg>,
+    /// The modes of its damping: the same on all legs.
+    modes: Modes,
 }
 
 /// Steps of equal size between two knots of a table.
@@ -214,15 +216,16 @@ impl<'a> MapJob<'a> {
             let norm = assignment.deviation(&deviation, body);
             Checkpoints::new(rule, norm, map.is_forced(), [steps as f64, map.t_end])
         });
+        let modes = forces.damping.modes(body.moments);
         let interval = (!forces.is_none()).then(|| {
-            let interval = apply(&mut self.forces_rows, lane, forces, (0.0, body.moments));
+            let interval = apply(&mut self.forces_rows, lane, forces, (0.0, modes));
             interval.with_functions(self.forces_rows.functions.of(lane))
         });
         let rate = || match on_orbit {
             Some(on_orbit) => on_orbit.rate * times as f64,
             None => body.fastest_rate(forces, [0.0, map.t_end]),
         };
-        let entry = Entry::unobserved(body, None, step).under(forces, place);
+        let entry = Entry::unobserved(body, forces, (0.0, place), None, step);
         let forces = interval.as_ref().map(|interval| (interval, rate()));
         let entry = Entry { forces, axis: map.axis, deviation, ..entry };
         load(&mut self.group, lane, self.compiled, assignment, &entry);
@@ -231,7 +234,7 @@ impl<'a> MapJob<'a> {
         }
         let steps = leg.map_or(steps, |leg| leg.steps);
         self.target[lane] = checkpoints.map_or(steps as f64, |checkpoints| checkpoints.next());
-        Some(LaneTask { index, step: longest, times, on_orbit, checkpoints, leg })
+        Some(LaneTask { index, step: longest, times, on_orbit, checkpoints, leg, modes })
     }
 
     /// The forces on a sample in this run.
@@ -256,8 +259,7 @@ impl<'a> MapJob<'a> {
         }
         let forces = self.forces_of(task.index);
         let next = self.leg(forces, (leg.to, leg.before + leg.steps), task.step);
-        let moments = self.bodies[task.index].moments;
-        apply(&mut self.forces_rows, lane, forces, (next.from, moments));
+        apply(&mut self.forces_rows, lane, forces, (next.from, task.modes));
         reset_time(&mut self.group, self.compiled.kernel().system, lane);
         self.group.step.0[lane] = next.step();
         // Observables tell the time from the count of steps.
@@ -269,14 +271,14 @@ impl<'a> MapJob<'a> {
     }
 }
 
-/// Applies the forces on a body with these moments to its lane, from a time on to the next knot.
+/// Applies the forces on a body whose damping has these modes to its lane, from a time on to the next knot.
 fn apply<'a>(
     rows: &mut ForcesRows<'a>,
     lane: usize,
     forces: BodyForces<'a>,
-    (time, moments): (f64, [f64; 3]),
+    (time, modes): (f64, Modes),
 ) -> ForcesInterval<'static, f64> {
-    let interval = forces.interval(time, false, moments);
+    let interval = forces.interval(time, false, modes);
     rows.set(lane, &interval);
     rows.functions.set(lane, forces.function_from(time));
     interval

@@ -35,11 +35,6 @@ enum Operation {
 pub struct Logic(Vec<Operation>);
 
 impl Logic {
-    /// That of a single condition.
-    pub fn single() -> Logic {
-        Logic(vec![Operation::Condition(0)])
-    }
-
     /// Whether it is that of a single condition.
     #[inline(always)]
     pub(super) fn is_single(&self) -> bool {
@@ -211,7 +206,7 @@ mod tests {
 
     #[test]
     fn a_logic_is_read_or_refused() {
-        assert_eq!(Logic::parse("0", 1), Ok(Logic::single()));
+        assert_eq!(Logic::parse("0", 1), Ok(Logic(vec![Operation::Condition(0)])));
         for (text, conditions, words) in [
             ("0", 2, "must join all conditions to one"),
             ("0 1", 2, "must join all conditions to one"),

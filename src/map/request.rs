@@ -235,7 +235,7 @@ mod tests {
             distributions: Distributions::NONE,
             mixture: Vec::new(),
             conditions: vec![Condition { criterion: Criterion::NoFlip, axis: 2 }],
-            logic: Logic::single(),
+            logic: Logic::parse("0", 1).unwrap(),
             measures: Vec::new(),
             t_end: 1.0,
             step: None,

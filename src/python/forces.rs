@@ -157,6 +157,11 @@ impl PyForces {
         Ok(PyForces(self.0.of_some(&indices)?))
     }
 
+    /// The forces of a second run, in which the trajectory of a table is another by its doubt.
+    fn doubted(&self) -> PyResult<Self> {
+        Ok(PyForces(self.0.doubted()?))
+    }
+
     /// The rate k of each body with these moments, if nothing acts but a damping `D = k I`, else NaN.
     fn slows_evenly<'py>(
         &self,

@@ -267,19 +267,20 @@ fn moment_status_names() -> Vec<&'static str> {
     MomentStatus::ALL.into_iter().map(MomentStatus::name).collect()
 }
 
-/// The unit quaternion of each quaternion: the one normalisation of attitudes.
+/// The unit quaternion of each quaternion, `None` if one is zero: the one normalisation of attitudes.
 #[pyfunction]
 fn unit_quaternions<'py>(
     py: Python<'py>,
     quaternions: Aligned2<'py, f64>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
+) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
     let _standard = FloatEnvironment::standard();
     let quaternions = rows::<4>("attitude", &quaternions)?;
     let mut units: Vec<[f64; 4]> = memory::reserved("unit quaternions", quaternions.len())?;
-    for (index, &quaternion) in quaternions.iter().enumerate() {
-        units.push(unit_quaternion(quaternion).ok_or(Error::ZeroQuaternion { index })?);
+    for &quaternion in quaternions {
+        let Some(unit) = unit_quaternion(quaternion) else { return Ok(None) };
+        units.push(unit);
     }
-    units.into_flattened().into_pyarray(py).reshape([quaternions.len(), 4])
+    Ok(Some(units.into_flattened().into_pyarray(py).reshape([quaternions.len(), 4])?))
 }
 
 /// Principal moments, ascending, possible or not, and axes (columns) of a tensor of inertia.

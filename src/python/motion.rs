@@ -64,10 +64,18 @@ impl PyMotion {
         Ok(self.motion.restore(rows::<NUMBERS>("numbers", &numbers)?, pushed)?)
     }
 
-    /// Begins the motion again with other rates and attitudes, except of the bodies that are kept.
-    fn begin(&mut self, bodies: Bodies<'_>, kept: Aligned1<'_, bool>) -> PyResult<()> {
+    /// Begins the motion again with other rates and attitudes, where these are not those before.
+    fn begin(
+        &mut self,
+        omega: Aligned2<'_, f64>,
+        attitude: Aligned2<'_, f64>,
+        omega_before: Aligned2<'_, f64>,
+        attitude_before: Aligned2<'_, f64>,
+    ) -> PyResult<()> {
         let _standard = FloatEnvironment::standard();
-        Ok(self.motion.begin(&bodies.all()?, kept.as_slice()?)?)
+        let after = (rows("omega", &omega)?, rows("attitude", &attitude)?);
+        let before = (rows("omega", &omega_before)?, rows("attitude", &attitude_before)?);
+        Ok(self.motion.begin(after, before)?)
     }
 
     /// The present time.

@@ -252,16 +252,6 @@ impl<R: Real> Torus<R> {
         x
     }
 
-    /// sn, cn and dn.
-    #[inline(always)]
-    pub fn jacobi(&self, phase: &Phase<R>, x: &Multiples<R>) -> [R; 3] {
-        let (numerators, denominator) = self.series(phase, x);
-        let inverse = R::splat(1.0) / denominator;
-        let [sn, cn, dn] = numerators;
-        let [s, c, d] = self.quotient;
-        [(s * sn) * inverse, (c * cn) * inverse, (d * dn) * inverse]
-    }
-
     /// sn, cn and dn over their constants: three numerators, and a common positive denominator.
     #[inline(always)]
     pub fn series(&self, phase: &Phase<R>, x: &Multiples<R>) -> ([R; 3], R) {

@@ -3,8 +3,7 @@
 
 use super::adaptive_lanes::AdaptiveLanes;
 use super::{
-    Effort, Integration, Request, Schedule, StatesPart, invariants_at_start, kinds_in, neighbours,
-    over_blocks_of,
+    Integration, Request, Schedule, StatesPart, invariants_at_start, kinds_in, neighbours, over_blocks_of,
 };
 use crate::error::Error;
 use crate::forces::BodyForces;
@@ -30,7 +29,7 @@ pub fn simulate(
     threads: usize,
     isa: Isa,
     stop: &Interrupt,
-) -> Result<Effort, Error> {
+) -> Result<u64, Error> {
     let refused = |rule| {
         let value = request.tolerance.map_or(String::new(), |tolerance| format!("{tolerance:e}"));
         Error::Value { argument: "tolerance", value, rule }
@@ -46,16 +45,14 @@ pub fn simulate(
     let blocks = neighbours(request.bodies.len(), BLOCK, |_| ())?;
     over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
         states.forget();
-        let mut lane_steps = 0;
         let integrations = Integration::of_block(request, method, block.clone())?;
         for members in kinds_in(block.clone(), |index| integrations[index - block.start].kind())? {
             let how = (isa, tolerance);
             let mut job =
                 AdaptiveJob::new(request, &integrations, block.start, &members, how, &mut states, stop)?;
             drive(&mut job)?;
-            lane_steps += job.lane_steps;
         }
-        Ok(lane_steps)
+        Ok(())
     })
 }
 
@@ -86,8 +83,6 @@ struct AdaptiveJob<'a, 'b> {
     queue: Vec<(u64, usize)>,
     lanes: AdaptiveLanes<'a>,
     states: &'a mut StatesPart<'b>,
-    /// Rounds of all lanes.
-    lane_steps: u64,
     /// Bodies of the job.
     members: usize,
     stop: &'a Interrupt<'a>,
@@ -112,7 +107,7 @@ impl<'a, 'b> AdaptiveJob<'a, 'b> {
         let kernel = integrations[members[0]].kernel(request, Observed::Nothing);
         let lanes = AdaptiveLanes::new(request, kernel, isa, tolerance)?;
         let members = queue.len();
-        Ok(AdaptiveJob { request, integrations, first, queue, lanes, states, lane_steps: 0, members, stop })
+        Ok(AdaptiveJob { request, integrations, first, queue, lanes, states, members, stop })
     }
 
     /// Loads a body into a lane, at its start. Whether a requested time is left.
@@ -196,7 +191,7 @@ impl Job for AdaptiveJob<'_, '_> {
         self.lanes.tell(self.stop, self.members - self.queue.len(), inside)?;
         let left = tasks.iter().flatten().map(|task| self.request.max_steps - task.steps);
         let most = left.min().map_or(0, |left| left.min(STEPS_BETWEEN_STOPS));
-        self.lane_steps += (self.lanes.advance(most as usize) * LANES) as u64;
+        self.lanes.advance(most as usize);
         Ok(())
     }
 
@@ -226,5 +221,78 @@ impl Job for AdaptiveJob<'_, '_> {
         }
         self.lanes.pass_knot(lane, self.first + task.body, task.backward);
         Ok(self.aim(lane, task))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::Body;
+    use crate::forces::Forces;
+    use crate::method::{AnyMethod, TAYLOR16};
+    use crate::scene::FREE;
+    use crate::trajectory::{Record, States};
+
+    /// A job whose rounds are counted: in each of them every lane could make a step.
+    struct Counted<'a, 'b> {
+        job: AdaptiveJob<'a, 'b>,
+        rounds: f64,
+    }
+
+    impl Job for Counted<'_, '_> {
+        type Task = Task;
+
+        fn load(&mut self, lane: usize) -> Result<Option<Task>, Error> {
+            self.job.load(lane)
+        }
+
+        fn advance(&mut self, tasks: &[Option<Task>; LANES]) -> Result<(), Error> {
+            self.job.advance(tasks)?;
+            let active = (0..LANES).filter(|&lane| tasks[lane].is_some());
+            self.rounds += active.map(|lane| self.job.lanes.group.count.0[lane]).fold(0.0, f64::max);
+            Ok(())
+        }
+
+        fn look(&mut self, lane: usize, task: &mut Task) -> Result<bool, Error> {
+            self.job.look(lane, task)
+        }
+    }
+
+    /// The share of active lanes in all steps, for bodies whose numbers of steps differ by a factor of four.
+    #[test]
+    fn few_lanes_are_inactive() {
+        let body = |i: usize| {
+            let rate = 8.0 * (1.0 + 4.0 * (i % 16) as f64 / 15.0);
+            let omega = [0.3, 1.0, 1e-3 * i as f64].map(|x| rate * x);
+            let attitude = [1.0, 0.0, 0.0, 0.0];
+            Body { moments: [1.0, 1.6, 2.1], weight: [0.0; 3], omega, attitude }
+        };
+        let bodies: Vec<Body> = (0..BLOCK).map(body).collect();
+        let steps: Vec<f64> =
+            bodies.iter().map(|body| 0.1 / body.fastest_rate(BodyForces::NONE, [0.0; 2])).collect();
+        let request = Request {
+            bodies: &bodies,
+            scene: &FREE,
+            forces: Forces::NONE,
+            method: AnyMethod::Steps(&TAYLOR16),
+            record: Record::Attitude,
+            schedule: Schedule::Times(&[100.0]),
+            steps: &steps,
+            tolerance: Some(1e-13),
+            refinement: 1.0,
+            max_steps: 1 << 40,
+        };
+        let integrations = Integration::of_block(&request, &TAYLOR16, 0..BLOCK).unwrap();
+        let members: Vec<usize> = (0..BLOCK).collect();
+        let mut states = States::reserved(&request, BLOCK, &[]).unwrap();
+        let (mut part, stop, how) = (states.whole(), Interrupt::never(), (Isa::NARROWEST, 1e-13));
+        let job = AdaptiveJob::new(&request, &integrations, 0, &members, how, &mut part, &stop).unwrap();
+        let mut counted = Counted { job, rounds: 0.0 };
+        drive(&mut counted).unwrap();
+        let rounds = counted.rounds;
+        let (least, most) = (states.steps.iter().min().unwrap(), states.steps.iter().max().unwrap());
+        let utilisation = states.steps.iter().sum::<u64>() as f64 / (rounds * LANES as f64);
+        println!("{least} to {most} steps, utilisation {utilisation:.3}");
+        assert!(most >= &(4 * least) && utilisation >= 0.95, "{least} to {most}: {utilisation}");
     }
 }

@@ -69,7 +69,7 @@ impl<'a> AdaptiveLanes<'a> {
         let direction = if backward { -1.0 } else { 1.0 };
         let deviation = Deviation::new(self.request.record.deviation_of(index));
         let forced_rate = (!forces.is_none()).then_some(rate);
-        let entry = Entry::unobserved(body, forced_rate, direction * first).under(forces, None);
+        let entry = Entry::unobserved(body, forces, (0.0, None), forced_rate, direction * first);
         let entry = Entry { deviation, ..entry };
         load(&mut self.group, lane, self.kernel, assignment, &entry);
         self.steps.direction.0[lane] = direction;
@@ -100,9 +100,9 @@ impl<'a> AdaptiveLanes<'a> {
         self.steps.end.0[lane] = self.knots[lane];
     }
 
-    /// Advances all lanes until one reaches its next time, in so many rounds at most; returns the number of rounds.
-    pub(super) fn advance(&mut self, most: usize) -> usize {
-        self.kernel.advance_adaptive(&mut self.group, &self.forces_rows, &mut self.steps, most)
+    /// Advances all lanes until one reaches its next time, in so many rounds at most.
+    pub(super) fn advance(&mut self, most: usize) {
+        self.kernel.advance_adaptive(&mut self.group, &self.forces_rows, &mut self.steps, most);
     }
 
     /// The steps that a lane has made since the last call.

@@ -1,9 +1,7 @@
 //! States in closed form: many bodies side by side, or many times of one.
 
 use super::states::worse;
-use super::{
-    Effort, Record, Request, Schedule, StatesPart, kinds_in, neighbours, over_blocks_of, time_range,
-};
+use super::{Record, Request, Schedule, StatesPart, kinds_in, neighbours, over_blocks_of, time_range};
 use crate::body::Body;
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Evaluator, Question, StartRows, StateRows};
@@ -32,7 +30,7 @@ pub fn simulate(
     threads: usize,
     isa: Isa,
     stop: &Interrupt,
-) -> Result<Effort, Error> {
+) -> Result<u64, Error> {
     let blocks = neighbours(request.bodies.len(), BLOCK, |_| ())?;
     over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
         for drift in states.drifts() {
@@ -45,7 +43,7 @@ pub fn simulate(
             let known = memory::collected("invariants of a group", members.len(), known)?;
             ClosedFormBatch { request, forms, first, members, isa, known }.run(&mut states, stop)?;
         }
-        Ok(0)
+        Ok(())
     })
 }
 

@@ -1,6 +1,6 @@
 //! Free bodies under a damping that is a multiple of their inertia, in closed form.
 
-use super::{Effort, Request, Schedule, StatesPart};
+use super::{Request, Schedule, StatesPart};
 use crate::error::Error;
 use crate::forces::Forces;
 use crate::memory;
@@ -17,7 +17,7 @@ pub fn simulate(
     threads: usize,
     isa: Isa,
     stop: &Interrupt,
-) -> Result<Effort, Error> {
+) -> Result<u64, Error> {
     let refuse = |rule| Err(Error::Value { argument: "method", value: AnyMethod::EXACT.to_string(), rule });
     if let Schedule::Strides(_) = request.schedule {
         return refuse("a closed form takes no steps");
@@ -53,7 +53,7 @@ pub fn simulate(
     }
     let schedule = if shared { Schedule::Times(&slow) } else { Schedule::TimesOfEach(&slow, count) };
     let request = Request { schedule, forces: Forces::NONE, ..*request };
-    let effort = super::simulate_into(&request, states.again(), threads, isa, stop)?;
+    let nanoseconds = super::simulate_into(&request, states.again(), threads, isa, stop)?;
     let omega = states.omega.as_mut().expect("rates are always recorded");
     let work = states.work.as_mut().expect("the work of forced bodies is always recorded");
     let columns = omega.chunks_mut(3 * count.max(1)).zip(work.chunks_mut(count.max(1)));
@@ -65,5 +65,5 @@ pub fn simulate(
             *work = rates[index].map_or(0.0, |_| kinetic(row) - kinetic(&body.omega));
         }
     }
-    Ok(effort)
+    Ok(nanoseconds)
 }

@@ -2,8 +2,7 @@
 
 use super::legs::LegGroup;
 use super::{
-    Effort, Integration, Request, StatesPart, blocks, invariants_at_start, kinds_in, over_blocks_of,
-    steps_of_legs,
+    Integration, Request, StatesPart, blocks, invariants_at_start, kinds_in, over_blocks_of, steps_of_legs,
 };
 use crate::error::Error;
 use crate::kernel::{Compiled, Entry, Group, Job, drive, load, unload};
@@ -26,7 +25,7 @@ pub fn simulate(
     threads: usize,
     isa: Isa,
     stop: &Interrupt,
-) -> Result<Effort, Error> {
+) -> Result<u64, Error> {
     let count = request.bodies.len();
     let integrations = Integration::of_block(request, method, 0..count)?;
     let steps =
@@ -47,7 +46,7 @@ pub fn simulate(
                 FixedJob { legs, states: &mut states, loaded: 0, last: [[0.0; 4]; LANES], stop }.run()?;
             }
         }
-        Ok(0)
+        Ok(())
     })
 }
 
@@ -138,7 +137,7 @@ impl Job for FixedJob<'_, '_> {
         self.last[lane] = body.attitude;
         let deviation = Deviation::new(legs.request.record.deviation_of(index));
         let forces = legs.request.forces_of(index);
-        let entry = Entry::unobserved(body, legs.forced_rate(lane), 0.0).under(forces, legs.place(lane));
+        let entry = Entry::unobserved(body, forces, (0.0, legs.place(lane)), legs.forced_rate(lane), 0.0);
         let entry = Entry { deviation, ..entry };
         let assignment = legs.integration(lane).assignment;
         load(legs.lanes, lane, legs.compiled, assignment, &entry);

@@ -184,7 +184,7 @@ impl Job for GrowthJob<'_, '_> {
         let (rate, assignment) = (legs.forced_rate(b), legs.integration(b).assignment);
         let each = &self.deviations.each[legs.index(b) * count..][..count];
         let forces = legs.request.forces_of(legs.index(b));
-        let entry = Entry::unobserved(body, rate, 0.0).under(forces, legs.place(b));
+        let entry = Entry::unobserved(body, forces, (0.0, legs.place(b)), rate, 0.0);
         for j in 0..legs.lanes_each {
             let entry = Entry { deviation: each[j], ..entry };
             load(legs.lanes, lane + j, legs.compiled, assignment, &entry);

@@ -32,17 +32,7 @@ use crate::observe::Observed;
 use crate::parallel::{Interrupt, caught, over_blocks};
 use crate::simd::{Isa, LANES};
 use std::ops::Range;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
-
-/// The processor time of a request, and its work.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Effort {
-    /// Processor time of all threads, ns; of a request that takes no longer than to start one, the time that passed.
-    pub nanoseconds: u64,
-    /// Steps of all active lanes, waiting ones included; of bodies that choose their steps.
-    pub lane_steps: u64,
-}
 
 /// The states of a request.
 ///
@@ -50,11 +40,12 @@ pub struct Effort {
 /// If the states do not fit into memory, and as `simulate_into`.
 pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &Interrupt) -> Result<States, Error> {
     let mut states = States::reserved(request, request.bodies.len(), &[])?;
-    states.effort = simulate_into(request, states.whole(), threads, isa, stop)?;
+    simulate_into(request, states.whole(), threads, isa, stop)?;
     Ok(states)
 }
 
-/// Writes the states of a request.
+/// Writes the states of a request. Returns the processor time of all threads, ns; of a request that takes no longer than to
+/// start one, the time that passed.
 ///
 /// # Errors
 /// If the request was stopped; if a closed form is wanted and a body has none; if the method does not move tops or
@@ -66,7 +57,7 @@ pub fn simulate_into(
     threads: usize,
     isa: Isa,
     stop: &Interrupt,
-) -> Result<Effort, Error> {
+) -> Result<u64, Error> {
     match request.method {
         AnyMethod::Steps(method) => {
             method.check(request.scene)?;
@@ -200,32 +191,27 @@ fn steps_of_legs(request: &Request, index: usize) -> u64 {
     }
 }
 
-/// Does `work` for all blocks: it writes the states of a block and returns the steps of its lanes.
+/// Does `work` for all blocks: it writes the states of a block. Returns the time, as [`simulate_into`].
 fn over_blocks_of(
     request: &Request,
     blocks: &[Range<usize>],
     mut states: StatesPart,
     threads: usize,
     stop: &Interrupt,
-    work: impl Fn(Range<usize>, StatesPart) -> Result<u64, Error> + Sync,
-) -> Result<Effort, Error> {
-    let lane_steps = AtomicU64::new(0);
+    work: impl Fn(Range<usize>, StatesPart) -> Result<(), Error> + Sync,
+) -> Result<u64, Error> {
     let times = request.schedule.len();
     let parts = blocks.iter().map(|block| (block.clone(), states.split_off(times, block.len())));
-    let done = |(block, part)| {
-        lane_steps.fetch_add(work(block, part)?, Ordering::Relaxed);
-        Ok(())
-    };
-    let nanoseconds = if request.is_brief() {
+    let done = |(block, part)| work(block, part);
+    if request.is_brief() {
         // To read the processor clock of a thread takes as long as a state.
         let begin = Instant::now();
         caught(|| parts.into_iter().try_for_each(done))?;
-        begin.elapsed().as_nanos() as u64
+        Ok(begin.elapsed().as_nanos() as u64)
     } else {
         let threads = if request.is_light() { 1 } else { threads };
-        over_blocks(parts, threads, stop, done)?
-    };
-    Ok(Effort { nanoseconds, lane_steps: lane_steps.into_inner() })
+        over_blocks(parts, threads, stop, done)
+    }
 }
 
 /// How a body is integrated: with which step, and by which equations of motion.

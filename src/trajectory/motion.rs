@@ -3,7 +3,7 @@
 use super::kinds_in;
 use crate::body::Body;
 use crate::error::Error;
-use crate::forces::{ForceSet, Forces, TorqueFunction};
+use crate::forces::{BodyForces, ForceSet, Forces, TorqueFunction};
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Kernel, MAX_STATE};
 use crate::kernel::{KernelAssignment, Needs, System, load, reset_time, unload};
 use crate::kinematics::length;
@@ -59,6 +59,9 @@ struct MovingGroup {
 
 /// The torque of a step in body axes: none, one for all bodies, or one for each.
 pub type Torques<'a> = &'a [[f64; 3]];
+
+/// Rates and attitudes of all bodies.
+pub type Starts<'a> = (&'a [[f64; 3]], &'a [[f64; 4]]);
 
 /// What the bodies are called if they do not fit into memory.
 const BODIES: &str = "bodies in motion";
@@ -158,21 +161,26 @@ impl Motion {
         every.zip(numbers).for_each(|(to, number)| *to = *number);
     }
 
-    /// Begins the motion again with other rates and attitudes of the bodies. A body that is kept goes on with all its bits.
+    /// Begins the motion again with other rates and attitudes of the bodies. A body whose numbers are the same before goes on
+    /// with all its bits.
     ///
     /// # Errors
-    /// If there are not as many bodies, or they do not fit into memory. The bodies are then as before.
-    pub fn begin(&mut self, bodies: &[Body], kept: &[bool]) -> Result<(), Error> {
-        for got in [bodies.len(), kept.len()] {
+    /// If there are not as many bodies. They are then as before.
+    pub fn begin(&mut self, (omega, attitude): Starts, before: Starts) -> Result<(), Error> {
+        for got in [omega.len(), attitude.len(), before.0.len(), before.1.len()] {
             if got != self.len() {
                 let (expected, got) = (self.len().to_string(), got.to_string());
                 return Err(Error::Shape { argument: "bodies", expected, got });
             }
         }
-        let (before, _) = self.numbers()?;
-        self.load(bodies)?;
-        for (body, numbers) in before.iter().enumerate().filter(|&(body, _)| kept[body]) {
-            self.set_numbers(body, numbers);
+        for body in 0..self.len() {
+            if omega[body] == before.0[body] && attitude[body] == before.1[body] {
+                continue;
+            }
+            let [group, lane] = self.places[body];
+            let group = &mut self.groups[group];
+            (group.bodies[lane].omega, group.bodies[lane].attitude) = (omega[body], attitude[body]);
+            group.load(lane, self.forces.of(body), self.time);
         }
         Ok(())
     }
@@ -292,12 +300,16 @@ impl Motion {
         }
         let bodies = memory::collected(BODIES, self.len(), self.bodies().copied())?;
         let were_forced = memory::collected(BODIES, self.len(), self.places.iter().map(is_forced))?;
+        let (before, _) = self.numbers()?;
         self.is_pushed = true;
-        let begun = self.begin(&bodies, &were_forced);
-        if begun.is_err() {
+        if let Err(error) = self.load(&bodies) {
             self.is_pushed = false;
+            return Err(error);
         }
-        begun
+        for (body, numbers) in before.iter().enumerate().filter(|&(body, _)| were_forced[body]) {
+            self.set_numbers(body, numbers);
+        }
+        Ok(())
     }
 
     /// What acts on a body. An orbit is never alone: a torque may come.
@@ -341,21 +353,20 @@ impl Motion {
                 constant: memory::reserved(BODIES, count)?,
                 longest: 0.0,
             };
-            for (lane, (&member, body)) in members.iter().zip(&group.bodies).enumerate() {
+            for (lane, &member) in members.iter().enumerate() {
                 places[member] = [groups.len(), lane];
                 let acting = self.forces.of(member);
-                let own = acting.further.start(self.time);
-                let entry = Entry { own, ..Entry::unobserved(body, forces.act.then_some(0.0), 0.0) };
-                load(&mut group.lanes, lane, group.compiled, group.assignments[lane], &entry);
+                group.load(lane, acting, self.time);
                 if !forces.act {
                     continue;
                 }
-                acting.damping.check_rates(body.moments)?;
-                let [.., rate] = acting.damping.rates(body.moments);
+                let moments = group.bodies[lane].moments;
+                acting.damping.check_rates(moments)?;
+                let [.., rate] = acting.damping.rates(moments);
                 damping_rate = damping_rate.max(rate);
                 // A function is told the time.
                 if !acting.table.has_knots() && !forces.function {
-                    let interval = acting.interval(0.0, false, body.moments);
+                    let interval = acting.interval(0.0, false, acting.damping.modes(moments));
                     rows.set(lane, &interval);
                     group.constant.push(interval.body[0]);
                 }
@@ -372,6 +383,12 @@ impl Motion {
 impl MovingGroup {
     fn is_forced(&self) -> bool {
         self.compiled.kernel().system.is_forced()
+    }
+
+    /// Loads the body of a lane, as it is at a time. The drifts of bodies in motion are not looked at.
+    fn load(&mut self, lane: usize, forces: BodyForces, time: f64) {
+        let entry = Entry::unobserved(&self.bodies[lane], forces, (time, None), None, 0.0);
+        load(&mut self.lanes, lane, self.compiled, self.assignments[lane], &entry);
     }
 
     /// Makes one step from a time, or several with the knots of a table between them.
@@ -450,7 +467,8 @@ impl MovingGroup {
             let mut torque = match self.constant.get(lane) {
                 Some(torque) => *torque,
                 None => {
-                    let interval = forces.of(member).interval(time, backward, body.moments);
+                    let forces = forces.of(member);
+                    let interval = forces.interval(time, backward, forces.damping.modes(body.moments));
                     rows.set(lane, &interval);
                     rows.functions.set(lane, function.map(|function| function.of(member).from(time)));
                     interval.body[0]

@@ -146,7 +146,8 @@ impl Request<'_> {
 
     /// The forces on a body from a time to the next knot, and the change of its parameters.
     pub fn interval_of(&self, body: usize, time: f64, backward: bool) -> ForcesInterval<'static, f64> {
-        let interval = self.forces_of(body).interval(time, backward, self.bodies[body].moments);
+        let forces = self.forces_of(body);
+        let interval = forces.interval(time, backward, forces.damping.modes(self.bodies[body].moments));
         let mut change = self.record.change_of(body);
         change.further.orbit.begin_at(time);
         ForcesInterval { change, ..interval }

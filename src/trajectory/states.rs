@@ -1,6 +1,5 @@
 //! The states that a request returns, and the errors of their invariants.
 
-use super::Effort;
 use super::request::{Record, Request};
 use crate::error::Error;
 use crate::forces::MOST_STATES;
@@ -51,8 +50,6 @@ macro_rules! states {
         pub struct States {
             $($(#[$time_doc])* pub $time: Option<Vec<f64>>,)*
             $($(#[$body_doc])* pub $body: Vec<$type>,)*
-            /// Processor time and work.
-            pub effort: Effort,
         }
 
         /// The states of some neighbouring bodies.
@@ -112,7 +109,6 @@ macro_rules! states {
                             .map_err(|_| reworded(refused()))?
                     },)*
                     $($body: memory::filled("", n, $unknown).map_err(|_| reworded(refused()))?,)*
-                    effort: Effort::default(),
                 })
             }
 

@@ -33,8 +33,8 @@ from python_mutants import Mutant, python_mutants
 ROOT = Path(__file__).parents[2]
 COPY = ROOT / "target" / "mutation"
 
-#: Processor time (s) of a command by which a mutant runs without end.
-LONGEST = 200
+#: Processor time (s) of a command by which a mutant runs without end, and its time if it waits.
+LONGEST, PATIENCE = 200, 600
 
 #: What has more than one instruction set, and what has none of them.
 SETS, PLAIN = 'target_arch = "x86_64"', 'target_arch = "none"'
@@ -64,9 +64,6 @@ _CLOSED = (
 # What is quick and fails first stands first.
 _ERRORS = (
     "solve/test_stated_errors.py",
-    "solve/test_stated_errors.py",
-    "solve/test_stated_errors.py",
-    "solve/test_strong_damping.py",
     "solve/test_strong_damping.py",
     "solve/test_plan.py",
     "solve/test_error_estimates.py",
@@ -100,9 +97,11 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "contract/test_what_is_given.py",
     ),
     "_checks/progress.py": ("contract/test_progress.py", "cli/test_terminal.py"),
+    "_energy_loss.py": ("maps/test_satellite_maps.py", "free/test_lasting_rotation.py"),
     "_files.py": ("test_files.py",),
     "_libration.py": ("free/test_free_rotation.py", "solve/test_satellites.py"),
     "_moments.py": ("inertia", "contract/test_bad_input.py", "solve/test_rods.py"),
+    "_timing.py": ("solve/test_cost_of_a_plan.py",),
     "cli/": ("cli",),
     "cli/toml_report.py": ("reports/test_report.py",),
     "earth.py": ("test_earth.py",),
@@ -186,10 +185,14 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "solve/test_fit.py",
     ),
     "model/sourced.py": ("maps/test_captured.py",),
+    "model/noise.py": (
+        "maps/test_given_samples.py",
+        "maps/test_joint_noise.py",
+        "maps/test_draws.py",
+        "maps/test_map_bad_input.py",
+    ),
     "model/start.py": (
         "maps/test_start_attitude.py",
-        "maps/test_given_samples.py",
-        "maps/test_draws.py",
         "maps/test_map_grid.py",
         "maps/test_map_bad_input.py",
     ),
@@ -217,7 +220,6 @@ PYTHON: dict[str, tuple[str, ...]] = {
     ),
     "solve/chunks.py": ("solve/test_appended_parts.py", "solve/test_engineers_words.py"),
     "solve/columns.py": ("solve/test_runs_kept.py", "solve/test_tidy_tables.py"),
-    "solve/energy_loss.py": ("maps/test_satellite_maps.py", "free/test_lasting_rotation.py"),
     "solve/events.py": ("solve/test_events.py", "solve/test_event_quantities.py"),
     "solve/fit.py": ("solve/test_fit.py", "solve/test_gyroscopes.py"),
     "solve/frequencies.py": ("solve/test_frequencies.py",),
@@ -225,7 +227,6 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "solve/least_squares.py": ("solve/test_fit.py", "solve/test_gyroscopes.py"),
     "solve/lyapunov.py": ("solve/test_lyapunov.py",),
     "solve/motion.py": ("solve/test_motion.py",),
-    "solve/parameters.py": ("solve/test_sensitivity.py", "solve/test_fit.py"),
     "solve/run.py": (
         "solve/test_axes_of_a_drawing.py",
         "solve/test_invariants.py",
@@ -234,10 +235,13 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "solve/test_runs_kept.py",
         "contract/test_notebook.py",
     ),
-    "solve/sensitivity.py": ("solve/test_sensitivity.py", "solve/test_tangent.py"),
     "solve/surfaces.py": ("sections/test_poincare.py", "solve/test_events.py"),
-    "solve/tangent.py": ("solve/test_tangent.py", "solve/test_lyapunov.py"),
-    "solve/timing.py": ("solve/test_cost_of_a_plan.py",),
+    "solve/tangent.py": (
+        "solve/test_tangent.py",
+        "solve/test_sensitivity.py",
+        "solve/test_lyapunov.py",
+        "solve/test_fit.py",
+    ),
     "solve/unknowns.py": ("solve/test_fit.py", "solve/test_gyroscopes.py"),
     "springs.py": ("test_springs.py",),
     "statics.py": ("test_statics.py",),
@@ -287,15 +291,20 @@ def _offset(text: str, place: dict[str, int]) -> int:
 
 
 def _run(*command: str, folder: Path = COPY) -> subprocess.CompletedProcess[str]:
-    """A command in a folder. It fails after too much processor time."""
-    limited = ("bash", "-c", f'ulimit -t {LONGEST}; exec "$@"', "-", *command)
+    """A command in a folder. It fails after too much time."""
+    limits = ("timeout", f"{PATIENCE}", "bash", "-c", f'ulimit -t {LONGEST}; exec "$@"', "-")
     environment = os.environ | {
         "PYTHONPATH": str(COPY / "python"),
         "CARGO_TARGET_DIR": str(COPY / "target"),
         "RUSTFLAGS": "-Ctarget-cpu=native",
     }
     return subprocess.run(
-        limited, cwd=folder, env=environment, capture_output=True, text=True, check=False
+        (*limits, *command),
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
     )
 
 
@@ -317,13 +326,16 @@ def fails_in_python(*tests: str) -> str | None:
     if not done.returncode:
         return None
     found = json.loads(FAILED.read_text()) if FAILED.is_file() else {}
+    if not found and done.returncode == 1:
+        raise SystemExit(done.stderr)  # pytest itself has failed
     return next((name.removeprefix("tests/python/") for name in found), ENDLESS)
 
 
 @cache
 def require_passing(test: str) -> None:
     """Stop if a test that has killed a mutant fails without one."""
-    if test != ENDLESS and fails_in_python(test):
+    # All its cases: the name of one may have characters by which pytest does not find it.
+    if test != ENDLESS and fails_in_python(test.partition("[")[0]):
         raise SystemExit(f"{test}: fails without a mutant")
 
 

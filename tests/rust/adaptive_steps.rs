@@ -1,5 +1,5 @@
 //! Adaptive steps of Taylor series, and by trial: the error follows the tolerance, the bits do not depend on the batch, dense
-//! output takes no steps, and few lanes are inactive.
+//! output takes no steps.
 
 use crate::tests::scene_of;
 use rigid::body::Body;
@@ -232,20 +232,6 @@ fn the_bits_under_a_function_do_not_depend_on_the_batch() {
         assert!(together.status.iter().all(|&found| found == status));
         assert!(if max_steps == 30 { [*least, *most] == [30; 2] } else { least < most }, "{least} {most}");
     }
-}
-
-// --- Active lanes ----------------------------------------------------------------------------------------------
-
-/// The share of active lanes in all steps, for bodies whose numbers of steps differ by a factor of four.
-#[test]
-fn few_lanes_are_inactive() {
-    let bodies: Vec<Body> =
-        (0..1024).map(|i| body(i, true, false, 8.0 * (1.0 + 3.0 * (i % 16) as f64 / 15.0))).collect();
-    let states = case(&bodies, &method::TAYLOR16, 1e-13, &[100.0]).adaptive_states();
-    let (least, most) = (states.steps.iter().min().unwrap(), states.steps.iter().max().unwrap());
-    let utilisation = states.steps.iter().sum::<u64>() as f64 / states.effort.lane_steps as f64;
-    println!("{least} to {most} steps, utilisation {utilisation:.3}");
-    assert!(most >= &(4 * least) && utilisation >= 0.95, "{least} to {most}: {utilisation}");
 }
 
 // --- Refused requests ------------------------------------------------------------------------------------------

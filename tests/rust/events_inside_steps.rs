@@ -27,7 +27,7 @@ impl Run {
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::inactive();
         let step = angle / body.fastest_rate(BodyForces::NONE, [0.0; 2]);
-        let entry = Entry { axis, ..Entry::unobserved(body, None, step) };
+        let entry = Entry { axis, ..Entry::unobserved(body, BodyForces::NONE, (0.0, None), None, step) };
         load(&mut group, 0, compiled, KernelAssignment::of(&DOP853, body, system.scene), &entry);
         Run { group, compiled, step }
     }

@@ -2,7 +2,7 @@
 
 use crate::tests::scene_of;
 use rigid::body::Body;
-use rigid::forces::ForcesInterval;
+use rigid::forces::{BodyForces, ForcesInterval};
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
@@ -41,7 +41,7 @@ impl ObservedBody {
         let kernel = Kernel { system, step: assignment.step, observed: Observed::Flips };
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::inactive();
-        let entry = Entry { axis, ..Entry::unobserved(body, None, step) };
+        let entry = Entry { axis, ..Entry::unobserved(body, BodyForces::NONE, (0.0, None), None, step) };
         load(&mut group, 0, compiled, assignment, &entry);
         ObservedBody { group, compiled }
     }
@@ -334,7 +334,8 @@ fn stable_spin_for_a_million_steps() {
                 let body = free([1.0, 1.6, 2.0], omega);
                 let assignment = KernelAssignment::of(method, &body, &FREE);
                 let (axis, step) = (axis as i32, 1.0 / 16.0);
-                let entry = Entry { axis, ..Entry::unobserved(&body, None, step) };
+                let entry =
+                    Entry { axis, ..Entry::unobserved(&body, BodyForces::NONE, (0.0, None), None, step) };
                 load(&mut group, lane, compiled, assignment, &entry);
             }
             // Fewer steps of expensive methods.

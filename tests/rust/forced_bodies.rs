@@ -64,9 +64,12 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
                         body.omega = [1e18; 3];
                     }
                     let step = if number == 3 { 0.0 } else { 0.02 + 0.002 * number as f64 };
-                    load(group, lane, compiled, assignment, &Entry::unobserved(&body, None, step));
                     let forces = table(number.is_multiple_of(2));
-                    let interval = forces.of(0).interval(0.01 * number as f64, false, body.moments);
+                    let forces = forces.of(0);
+                    let entry = Entry::unobserved(&body, forces, (0.0, None), None, step);
+                    load(group, lane, compiled, assignment, &entry);
+                    let modes = forces.damping.modes(body.moments);
+                    let interval = forces.interval(0.01 * number as f64, false, modes);
                     forces_rows.set(lane, &interval);
                 };
             let full_group = |isa| {
@@ -281,7 +284,7 @@ fn a_torque_table_is_read_from_both_sides_of_a_jump() {
     .unwrap();
     let forces = forces.of(0);
     let at = |time, backward| {
-        let interval = forces.interval(time, backward, [1.0, 2.0, 3.0]);
+        let interval = forces.interval(time, backward, forces.damping.modes([1.0, 2.0, 3.0]));
         [interval.body[0][0], interval.body[1][0]]
     };
     assert_eq!(at(0.0, false), [0.0, 2.0]);

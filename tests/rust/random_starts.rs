@@ -225,7 +225,7 @@ fn draws_do_not_shift_each_other() {
             distributions: Distributions { omega, attitude, ..Distributions::NONE },
             mixture: Vec::new(),
             conditions: vec![Condition { criterion: Criterion::NoFlip, axis: 2 }],
-            logic: Logic::single(),
+            logic: Logic::parse("0", 1).unwrap(),
             measures: Vec::new(),
             t_end: 1.0,
             step: None,

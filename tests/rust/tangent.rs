@@ -2,7 +2,7 @@
 
 use crate::tests::scene_of;
 use rigid::body::Body;
-use rigid::forces::{Forces, ForcesInterval, ParameterChange};
+use rigid::forces::{BodyForces, Forces, ForcesInterval, ParameterChange};
 use rigid::kernel::{
     Compiled, DeviationRows, Entry, ForcesRows, Group, Kernel, KernelAssignment, System, load,
 };
@@ -77,7 +77,8 @@ fn moved(
     for lane in 0..LANES {
         let step = 0.05 + 0.002 * lane as f64;
         let deviation = Deviation { of_attitude: lane % 2 == 0, ..Deviation::new(DEVIATION) };
-        let entry = Entry { deviation, ..Entry::unobserved(&BODY, None, step) };
+        let entry =
+            Entry { deviation, ..Entry::unobserved(&BODY, BodyForces::NONE, (0.0, None), None, step) };
         load(&mut group, lane, compiled, assignment, &entry);
     }
     for block in 0..10 {
@@ -138,7 +139,10 @@ fn a_deviation_that_shares_a_motion_has_the_bits_of_one_with_a_lane_of_its_own()
                 let lane = 9;
                 for j in 0..6 {
                     let deviation = Deviation::new(deviation(j));
-                    let entry = Entry { deviation, ..Entry::unobserved(&BODY, None, 0.1) };
+                    let entry = Entry {
+                        deviation,
+                        ..Entry::unobserved(&BODY, BodyForces::NONE, (0.0, None), None, 0.1)
+                    };
                     load(&mut own, j, compiled, assignment, &entry);
                     if j == 0 {
                         load(&mut shared, lane, compiled, assignment, &entry);

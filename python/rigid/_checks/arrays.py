@@ -95,12 +95,11 @@ def unit_quaternions(
         If a quaternion is zero.
     """
     rows = np.ascontiguousarray(quaternions).reshape(-1, 4)
-    zero: NDArray[np.bool_] = (rows == 0.0).all(axis=1)
-    if zero.any():
-        _, place = first_place(np.reshape(zero, quaternions.shape[:-1]))
+    unit = _core.unit_quaternions(rows)
+    if unit is None:
+        _, place = first_place((quaternions == 0.0).all(axis=-1))
         raise ValueError(f"{name}{place} = {[0.0] * 4}: {rule}")
-    unit: Floats = _core.unit_quaternions(rows).reshape(quaternions.shape)
-    return unit
+    return unit.reshape(quaternions.shape)
 
 
 def unit_vectors(name: str, value: ArrayLike) -> Floats:

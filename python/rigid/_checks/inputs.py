@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import stat
+import zipfile
 
 from .arguments import nearest
 
@@ -23,8 +24,6 @@ def unreadable(path: str | os.PathLike[str], error: OSError) -> str:
 
 def described(path: str | os.PathLike[str]) -> str:
     """What is at a path, as words after "it is"; a file of rigid names the function for it."""
-    import zipfile  # takes longer to import than all of rigid
-
     if os.path.isdir(path):
         for name, what in _FOLDERS.items():
             if os.path.isfile(os.path.join(path, name)):

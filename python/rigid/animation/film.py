@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, one_of, one_time, shaped
-from .._checks.arrays import attitudes
+from .._checks.arrays import Floats, attitudes
 from .._checks.quantities import plain
 from ..drawing import colours
 from ..drawing.shapes import (
@@ -25,8 +25,6 @@ from ..model.body import Moments, refuse_rods
 from ..model.scene import FreeBody, HeavyTop, Scene, check_heavy_top, require_unforced
 from ..rotations.apply import to_space
 from .story import Recording, story_of, tilt_of
-
-Floats = NDArray[np.float64]
 
 VIEWS = {FreeBody.kind: ("box", "cones", "poinsot"), HeavyTop.kind: ("top",)}
 """Views of each kind of scene."""

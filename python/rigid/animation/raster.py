@@ -7,11 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from .._checks.arrays import Floats
 from ..drawing.shapes import across, ellipsoid_faces, quads
 from ..rotations.apply import to_space
 from .film import BALL, Film, Part
-
-Floats = NDArray[np.float64]
 
 AZIMUTH, ELEVATION = float(np.deg2rad(35.0)), float(np.deg2rad(26.0))
 """View of a picture, and initial view of a page."""

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks.arrays import attitudes
+from .._checks.arrays import Floats, attitudes
 from ..model.forces import forces_in_words
 from ..model.sampled import Sampled
 from ..model.scene import HeavyTop, Scene, check_heavy_top
 from ..rotations.apply import to_space
-
-Floats = NDArray[np.float64]
 
 ALONG = 0.9
 """A body spins about an axis if the rate along the axis is at least this share of the rate."""

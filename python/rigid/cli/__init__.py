@@ -65,8 +65,6 @@ from .tutorials import notebooks
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["main"]
-
 POINT_SIZE = 140
 """Approximate bytes of a point of a section in a file."""
 

@@ -6,6 +6,7 @@ import json
 import math
 import os
 import sys
+import tempfile
 from collections.abc import Callable, Mapping
 from io import BytesIO
 from pathlib import Path
@@ -193,8 +194,6 @@ def _saved(save: Callable[[Path], Path], data: Path, what: str) -> Path:
     try:
         return save(data)
     except OSError as error:
-        import tempfile
-
         try:
             folder = tempfile.gettempdir()
             spare = save(Path(folder, f"rigid-{os.urandom(8).hex()}-{data.name}"))

@@ -24,9 +24,9 @@ from ..maps.spec import MapSpec
 from ..maps.vary import Varied, make_varied
 from ..model import measures
 from ..model.measures import MEASURES, Measure
+from ..model.noise import Noise, normal, uniform
 from ..model.parameters import PARAMETERS
 from ..model.seed import seed_from
-from ..model.start import Noise, normal, uniform
 from .toml_scene import read_criterion, read_scene, read_starts
 from .toml_table import Table, parsed, read_source
 

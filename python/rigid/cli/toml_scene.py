@@ -16,18 +16,11 @@ from ..model.criteria import CRITERIA
 from ..model.criterion import Criterion
 from ..model.forces import FORCES
 from ..model.mixture import Mixture, mixture
+from ..model.noise import Noise, direction, normal, uniform, uniform_attitude, von_mises_fisher
 from ..model.orbit import Orbit
 from ..model.sampled import RotorTable
 from ..model.scene import SCENES, Scene, check_scene
-from ..model.start import (
-    Noise,
-    Start,
-    direction,
-    normal,
-    uniform,
-    uniform_attitude,
-    von_mises_fisher,
-)
+from ..model.start import Start
 from ..model.torque import Torque
 from .toml_table import Table, keys
 

@@ -7,14 +7,12 @@ from math import pi, radians
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .._checks.arrays import Floats
 from ..rotations.euler import rotation_y, rotation_z
 from ..rotations.so3 import rotate
 from . import colours
 from .colours import HUES, on_ground
-
-Floats = NDArray[np.float64]
 
 UP = np.array([0.0, 0.0, 1.0])
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Floats = NDArray[np.float64]
+from .._checks.arrays import Floats
 
 STEM = 1.45
 """Height of the end of a top's stem, in distances of the centre of mass from the fixed point."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..model.leading import Shape
+from ..model.batch import Shape
 
 
 def in_shape(values: dict[str, Any], shape: Shape) -> dict[str, Any]:

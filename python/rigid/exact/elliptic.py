@@ -7,12 +7,10 @@ Carlson's symmetric integrals by his duplication algorithms (B. C. Carlson, *Num
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import _core
-from .._checks.arrays import finite_array, require
-
-Floats = NDArray[np.float64]
+from .._checks.arrays import Floats, finite_array, require
 
 LARGEST = 1e200
 """Largest argument of R_D and R_J, whose duplication multiplies three square roots."""

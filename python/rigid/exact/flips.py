@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import positive_int
+from .._checks.arrays import Floats
 from ..model.body import Body
 from ..model.criteria import NoFlip
 from ..model.scene import Scene, check_scene, require_unforced
@@ -18,9 +19,6 @@ from ..solve.closed_form import closed_forms
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
-
-
-Floats = NDArray[np.float64]
 
 
 def flip_times(

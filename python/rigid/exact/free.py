@@ -8,17 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arrays import require, vectors
+from .._checks.arrays import Floats, require, vectors
 from .._checks.shown import short_repr
 from .._moments import without_spin
+from ..model.batch import batch_shape
 from ..model.body import Body, rates_of_rods
 from ..model.body_like import body_of
-from ..model.leading import leading_shape
 from ..model.scene import FreeBody
 from ..solve.arrays import in_rows, rows_of_each
 from .common import in_shape
-
-Floats = NDArray[np.float64]
 
 
 @short_repr
@@ -99,7 +97,7 @@ def free_body(body: Body | FreeBody, omega: ArrayLike) -> FreeMotion:
     """
     rates = vectors("omega", omega)
     moments = vectors("moments", body_of(body).moments)
-    shape = leading_shape({"body": moments.shape[:-1], "omega": rates.shape[:-1]})
+    shape = batch_shape({"body": moments.shape[:-1], "omega": rates.shape[:-1]})
     rates = rates_of_rods("omega", rates, moments)
     size = np.abs(rates).max(axis=-1)
     rule = f"must be zero or reach {SLOWEST:g} rad/s: count the time in another unit"

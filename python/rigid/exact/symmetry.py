@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import first_place
+from .._checks.arrays import Floats
 from ..model.body import refuse_rods
 from ..model.scene import HeavyTop
 from ..solve.arrays import in_rows
 from ..solve.closed_form import lagrange_axes
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import finite_float
-from .._checks.arrays import finite_array, require
+from .._checks.arrays import Floats, finite_array, require
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
-from ..model.leading import leading_shape
+from ..model.batch import batch_shape
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..model.start import body_axis
 from ..solve.bodies import bodies_of
@@ -26,8 +26,6 @@ from .symmetry import Symmetry, require_each, symmetry_of
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-
-Floats = NDArray[np.float64]
 
 LEAST_LIMIT = 1e-150
 """Least angle (rad) whose cosine is told from one by a double, ``1 - cos``."""
@@ -243,7 +241,7 @@ def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> Stea
     across, along = symmetry.across, symmetry.along
     angles, spins = np.broadcast_arrays(finite_array("tilt", tilt), finite_array("spin", spin))
     require("tilt", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
-    leading_shape({"scene": scene.shape, "tilt and spin": angles.shape})
+    batch_shape({"scene": scene.shape, "tilt and spin": angles.shape})
     momentum = symmetry.side * along * spins
     # cos(pi / 2) of float64 is not 0, but the cosine of a horizontal axis is.
     cosine = np.where(angles == 0.5 * pi, 0.0, np.cos(angles))
@@ -345,7 +343,7 @@ def pendulum_period(scene: HeavyTop, amplitude: ArrayLike, *, axis: int) -> Floa
     )
     angles = finite_array("amplitude", amplitude)
     require("amplitude", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
-    leading_shape({"scene": scene.shape, "amplitude": angles.shape})
+    batch_shape({"scene": scene.shape, "amplitude": angles.shape})
     frequency = np.sqrt(mgl / np.asarray(scene.body.moments)[..., about - 1])
     # cos(pi / 2) of float64 is not 0, but on the separatrix the cosine is.
     cosine = np.where(angles == pi, 0.0, np.cos(0.5 * angles))

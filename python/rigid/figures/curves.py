@@ -6,7 +6,7 @@ from math import pi
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import free
 from .._checks.arguments import brief, finite_float, numbers
@@ -19,8 +19,6 @@ from ..model.scene import HeavyTop
 from ..solve.run import Run, scene_of
 from ..springs import pair_system, spring_body
 from .picture import Picture
-
-Floats = NDArray[np.float64]
 
 DASHES = ("solid", "dashed", "dotted")
 """Line styles of the components 1, 2, 3, for readers who cannot distinguish the colours."""

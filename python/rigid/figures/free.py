@@ -7,10 +7,11 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import exact, free
 from .._checks.arguments import brief, finite_float, positive_int, vector
+from .._checks.arrays import Floats
 from ..drawing import axes3d as draw
 from ..drawing import colours
 from ..drawing.shapes import across, box_faces, ellipsoid_faces, plane_face
@@ -24,8 +25,6 @@ from ..rotations.quaternions import matrix_to_quaternion, quaternion_to_matrix
 from ..rotations.so3 import rotate
 from ..solve.run import Run, scene_of, states_of
 from .picture import Picture
-
-Floats = NDArray[np.float64]
 
 POLHODE, HERPOLHODE = colours.HUES["blue"], colours.HUES["black"]
 

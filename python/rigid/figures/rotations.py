@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import finite_float, positive_int, shaped
 from .._checks.arguments import vector as vector_of
@@ -18,8 +18,6 @@ from ..rotations.euler import euler_to_matrix, rotation_z
 from ..rotations.so3 import rotate
 from .free import turning
 from .picture import Picture
-
-Floats = NDArray[np.float64]
 
 _NAMES = (("x'", "y'", "z'"), ("x''", "y''", "z''"), ("X", "Y", "Z"), ("x", "y", "z"))
 _TURNS = (r"$\phi$", r"$\theta$", r"$\psi$")

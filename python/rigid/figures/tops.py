@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import exact, top
 from .._checks.arguments import (
@@ -16,7 +16,7 @@ from .._checks.arguments import (
     sorted_times,
     vector,
 )
-from .._checks.arrays import attitudes
+from .._checks.arrays import Floats, attitudes
 from ..drawing import axes3d as draw
 from ..drawing import colours
 from ..drawing.colours import on_ground
@@ -31,7 +31,6 @@ from .rotations import node_frame
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-Floats = NDArray[np.float64]
 
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 """The attitude in which body and space axes coincide."""

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import one_of, times_of_each
 from .._checks.arrays import AttitudeLike, Floats, attitudes, of_size_one, require, vectors
+from ..model.batch import Shape, batch_shape
 from ..model.body_like import BodyLike, moments_of
-from ..model.leading import Shape, leading_shape
 from ..model.sampled import RotorTable
 from ..model.scene import HeavyTop, Scene, check_scene, scene_from_dict
 from ..model.torque import Torque
@@ -198,7 +198,7 @@ def invariants(
     scene, rates, quaternions, gamma = _states(motion, omega, attitude)
     shape = rates.shape[:-1]
     if not isinstance(motion, Run):
-        shape = leading_shape({"scene": scene.shape, **_axes(rates, quaternions)})
+        shape = batch_shape({"scene": scene.shape, **_axes(rates, quaternions)})
     momentum = _of_each(scene.body.moments, motion) * rates
     kinetic = 0.5 * (momentum * rates).sum(axis=-1)
     if scene.rotor is not None and isinstance(motion, Run):
@@ -307,7 +307,7 @@ def power_balance(
     if isinstance(motion, Run) and t is not None:
         raise ValueError("t: a run has its own times")
     times = times_of_each("t", motion.t if isinstance(motion, Run) else [] if t is None else t)
-    shape = leading_shape(
+    shape = batch_shape(
         {"scene": scene.shape, **_axes(rates, quaternions, 2), "t": times.shape[:-1]}
     )
     count = times.shape[-1]
@@ -440,7 +440,7 @@ def _states(
     rates = vectors("omega", omega)
     quaternions = None if attitude is None else attitudes(attitude)
     if quaternions is not None:
-        leading_shape(_axes(rates, quaternions))
+        batch_shape(_axes(rates, quaternions))
         if gamma is None:
             gamma = to_body(quaternions, np.array([0.0, 0.0, 1.0]))
     return scene, rates, quaternions, gamma

@@ -11,9 +11,9 @@ from .._checks.arguments import brief, finite_float, sorted_times
 from .._checks.arrays import Floats, vectors
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
+from .._energy_loss import mean_loss
 from ..model.body_like import BodyLike, moments_of
 from ..model.forces import EnergySink
-from ..solve.energy_loss import mean_loss
 from .tumbling import SpinState, momentum_near, spin_periods
 
 SEPARATRIX, END = 36.0, -80.0

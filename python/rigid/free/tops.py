@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import sorted_times
-from .._checks.arrays import AttitudeLike, finite_array, of_size_one, require, vectors
+from .._checks.arrays import AttitudeLike, Floats, finite_array, of_size_one, require, vectors
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
 from ..exact import FreeMotion
@@ -19,8 +19,6 @@ from ..model.body_like import BodyLike, moments_of
 from ..model.scene import FreeBody
 from ..model.start import body_axis
 from ..solve.simulate import simulate
-
-Floats = NDArray[np.float64]
 
 
 @short_repr

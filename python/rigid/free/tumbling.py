@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import first_place, one_of, shaped
-from .._checks.arrays import Floats, require, vectors
+from .._checks.arrays import Floats, require, unit_vectors, vectors
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
+from ..model.body import Body
 from ..model.body_like import BodyLike, moments_of
+from ..model.scene import FreeBody
+from ..rotations import euler_to_matrix, matrix_to_quaternion, rotation_z
+from ..solve.simulate import simulate
 from .tops import asymmetric_free_top
 
 MODES = ("SAM", "LAM")
@@ -53,6 +57,8 @@ class SpinState:
         NaN at rest.
     omega : ndarray, shape (..., 3)
         Angular velocity in the body (rad/s).
+    attitude : ndarray, shape (..., 4), or None
+        Quaternion, scalar first, body to space, of a state with a pole.
     """
 
     mode: str | NDArray[np.str_]
@@ -60,6 +66,7 @@ class SpinState:
     rotation: Floats
     energy: Floats
     omega: Floats
+    attitude: Floats | None = None
 
 
 @refuses_overflow
@@ -130,14 +137,21 @@ def _energy(moments: Floats, rates: Floats) -> Floats:
 
 @refuses_overflow
 def spin_state(
-    body: BodyLike, *, precession: ArrayLike, rotation: ArrayLike, mode: str
+    body: BodyLike,
+    *,
+    precession: ArrayLike,
+    rotation: ArrayLike,
+    mode: str,
+    pole: ArrayLike | None = None,
+    phases: ArrayLike | None = None,
 ) -> SpinState:
-    """Angular velocity and energy of a tumbling body from its two periods.
+    """Angular velocity and energy of a tumbling body from its two periods, and its attitude.
 
     The ratio of the periods gives the ratio of energy and squared momentum, and the periods then
-    give the momentum. The state is the one at which L lies in the plane of the encircled axis and
-    the axis of the middle moment, with positive components; a motion passes this state or its
-    mirror image four times in ``rotation``.
+    give the momentum. Without phases the state is the one at which L lies in the plane of the
+    encircled axis and the axis of the middle moment, with positive components; a motion passes this
+    state or its mirror image four times in ``rotation``. Of a body whose phases are unknown, both
+    are uniform from 0 to 2 pi.
 
     Parameters
     ----------
@@ -149,6 +163,14 @@ def spin_state(
         ``P_psi`` (s), positive: period of the oscillation or rotation about the long axis.
     mode : {"SAM", "LAM"}
         The short-axis or the long-axis mode; see :class:`SpinState`. Both may have these periods.
+    pole : array_like, shape (..., 3), optional
+        Direction of L in space, a unit vector. The state then has an attitude.
+    phases : array_like, shape (..., 2), optional
+        The phase of the precession, which is the Euler angle phi (rad) of the long axis about L,
+        and the phase of the rotation (rad): ``2 pi / rotation`` times the time since the state
+        without phases. Phi counts from the ascending node of the plane across L, which is the
+        direction ``e3 × L``, or the second axis of space if L is parallel to the third. Default:
+        both are zero.
 
     Returns
     -------
@@ -161,7 +183,8 @@ def spin_state(
         If no body has the moments, the body has no such mode, an argument is not positive, or no
         motion in this mode has the two periods: ``rotation / precession`` is below the ratio of
         small nutations, or beyond the ratios of states that are farther from the separatrix than
-        rounding. Of many bodies the message has the index of the first.
+        rounding. Of many bodies the message has the index of the first. If the pole is no
+        unit vector, or phases have no pole.
 
     Examples
     --------
@@ -172,13 +195,32 @@ def spin_state(
     >>> found = free.spin_state((0.61, 0.965, 1.0), precession=27.38, rotation=263.0, mode="SAM")
     >>> round(float(found.energy), 3)
     1.029
+
+    Three states of the same body, whose L points to the south pole of the ecliptic:
+
+    >>> periods = {"precession": 27.38, "rotation": 263.0, "mode": "SAM"}
+    >>> phases = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]]
+    >>> found = free.spin_state((0.61, 0.965, 1.0), **periods, pole=[0, 0, -1], phases=phases)
+    >>> found.omega.shape, found.attitude.shape
+    ((3, 3), (3, 4))
     """
     name = one_of("mode", mode, MODES)
     long_period = shaped("precession", precession, positive=True, unit="s")
     short_period = shaped("rotation", rotation, positive=True, unit="s")
     moments = moments_of(body)
-    shape = np.broadcast_shapes(moments.shape[:-1], long_period.shape, short_period.shape)
+    if phases is not None and pole is None:
+        raise ValueError("phases: count about the pole; give pole, the direction of L in space")
+    turned = shaped("phases", [0.0, 0.0] if phases is None else phases, 2, unit="rad")
+    to = unit_vectors("pole", [0.0, 0.0, 1.0] if pole is None else pole)
+    shape = np.broadcast_shapes(
+        moments.shape[:-1],
+        long_period.shape,
+        short_period.shape,
+        turned.shape[:-1],
+        to.shape[:-1],
+    )
     moments = np.broadcast_to(moments, (*shape, 3))
+    to, turned = np.broadcast_to(to, (*shape, 3)), np.broadcast_to(turned, (*shape, 2))
     long_period, short_period = np.broadcast_arrays(
         np.broadcast_to(long_period, shape), short_period
     )
@@ -233,7 +275,30 @@ def spin_state(
         "belongs to a motion so near the separatrix that rounding decides its mode; take a smaller "
         "rotation",
     )
-    return spin_periods(moments, unit.omega * (unit.precession / long_period)[..., np.newaxis])
+    omega = unit.omega * (unit.precession / long_period)[..., np.newaxis]
+    if pole is None:
+        return spin_periods(moments, omega)
+    times = turned[..., 1] / (2.0 * pi) * short_period
+    scene = FreeBody(Body(moments, physical=False))
+    later = simulate(scene, omega, t=times[..., np.newaxis], record="rates", method="exact")
+    omega = later.omega[..., 0, :]
+    attitude = _attitude(moments, omega, np.argmin(moments, axis=-1), to, turned[..., 0])
+    return replace(spin_periods(moments, omega), attitude=attitude)
+
+
+def _attitude(
+    moments: Floats, omega: Floats, long: NDArray[np.intp], pole: Floats, phi: Floats
+) -> Floats:
+    """The attitude in which L points to the pole, and the long axis has its angle about L."""
+    up = moments * omega / np.linalg.norm(moments * omega, axis=-1, keepdims=True)
+    # The node of the long axis, across L: the Euler angle phi goes from the node of the pole to it.
+    node = np.cross(up, np.eye(3)[long])
+    node /= np.linalg.norm(node, axis=-1, keepdims=True)
+    from_pole = np.stack([node, np.cross(up, node), up], axis=-2)
+    x, y, z = np.moveaxis(pole + 0.0, -1, 0)  # no zero has a sign, which would turn by pi
+    longitude, colatitude = np.arctan2(y, x), np.arctan2(np.hypot(x, y), z)
+    to_space = euler_to_matrix(np.stack([longitude + 0.5 * pi, colatitude, 0.0 * phi], axis=-1))
+    return matrix_to_quaternion(to_space @ rotation_z(phi) @ from_pole)
 
 
 def momentum_near(order: NDArray[np.intp], encircled: int, log_tangent: Floats) -> Floats:

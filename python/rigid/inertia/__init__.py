@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import finite_float, shaped
+from .._checks.arrays import Floats
 from .._moments import possible_moments, symmetric_tensor
 from .mass_properties import (
     MassProperties,
@@ -64,7 +65,6 @@ __all__ = [
     "symmetry_check",
 ]
 
-Floats = NDArray[np.float64]
 
 _EQUAL = 16.0 * float(np.finfo(np.float64).eps)
 """Share of the largest moment by which two moments may differ by the rounding of a tensor."""

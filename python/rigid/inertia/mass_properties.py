@@ -6,13 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, first_place, shaped
+from .._checks.arrays import Floats
 from .._moments import possible_tensor, symmetric_tensor
 from ..rotations.so3 import rotation_matrices
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import first_place, shaped
+from .._checks.arrays import Floats
 from .._moments import possible_tensor
 from ..rotations.quaternions import quaternion_to_matrix, quaternions
 from .mass_properties import MassProperties
@@ -15,8 +16,6 @@ from .mass_properties import MassProperties
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-
-Floats = NDArray[np.float64]
 
 _NOTHING = 1e-14
 """Fraction of the largest moment, or momentum, that counts as zero: rounding of a rod's tensor."""

@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import finite_float, shaped
+from .._checks.arrays import Floats
 from .._checks.overflow import refuses_overflow
 from ..rotations.quaternions import log_so3
 from .mass_properties import point_masses
-
-Floats = NDArray[np.float64]
 
 _AT_ONCE = 1_000_000
 """Number of points whose images are searched at once; bounds the memory."""

@@ -8,9 +8,10 @@ import numpy as np
 
 from ..model.body import Body
 from ..model.criteria import no_flip
+from ..model.noise import uniform, uniform_attitude
 from ..model.orbit import Orbit
 from ..model.scene import FreeBody
-from ..model.start import Start, uniform, uniform_attitude
+from ..model.start import Start
 from ..solve.simulate import simulate
 from ..store.call import stability_map
 

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from ..free import libration
 from ..model.body import Body
 from ..model.criteria import tilt_below
+from ..model.noise import normal
 from ..model.orbit import Orbit
 from ..model.scene import FreeBody
-from ..model.start import Start, normal
+from ..model.start import Start
 from ..solve.frequencies import frequencies
 from ..solve.simulate import simulate
 from ..store.call import stability_map

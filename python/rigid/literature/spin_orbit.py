@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from ..model.body import Body
 from ..model.bounds import librates, pointing_within
 from ..model.measures import spin_orbit_ratio
+from ..model.noise import normal
 from ..model.orbit import Orbit
 from ..model.scene import FreeBody
-from ..model.start import Start, normal
+from ..model.start import Start
 from ..solve.frequencies import frequencies
 from ..solve.lyapunov import lyapunov
 from ..solve.simulate import simulate

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Floats = NDArray[np.float64]
+from .._checks.arrays import Floats
 
 
 def zero_lines(x: ArrayLike, y: ArrayLike, field: ArrayLike) -> list[Floats]:

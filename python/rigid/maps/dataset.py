@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -97,8 +98,6 @@ def _about(words: str, unit: str = "1") -> dict[str, Any]:
 
 def write_zarr(data: MapData, path: str | os.PathLike[str]) -> Path:
     """Write a map as a folder that appears whole or not at all; see :func:`write_zarr_url`."""
-    import shutil
-
     target = Path(path)
     if os.path.lexists(target):
         raise FileExistsError(f"path = {os.fspath(target)!r}: must be new")

@@ -13,20 +13,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
+from .._checks.arrays import Floats
 from .._checks.float_environment import in_standard_floats
 from .._moments import can_move, rods, without_spin
 from ..model.body import rates_of_rods
 from ..model.forces import FORCES
+from ..model.noise import Noise
 from ..model.parameters import PLACES, moments_of, numbers_of, scene_of
 from ..model.scene import Scene
-from ..model.start import Noise, Start, tilted_attitude, tilted_rates
+from ..model.start import Start, tilted_attitude, tilted_rates
 from ..model.torque import Torque, forces_of
 from ..rotations.apply import to_body
 from ..solve.bodies import Bodies
 from .axes import Axis, in_order
 from .vary import Draws, Varied
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

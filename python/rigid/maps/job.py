@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import one_of
+from .._checks.arrays import Floats
 from ..model.mixture import Mixture
-from ..model.start import Noise, Samples, Start
+from ..model.noise import Noise, Samples
+from ..model.start import Start
 from ..solve.methods import AUTO, EXACT, map_methods, series_methods
 from .core_request import CoreRequest, CoreStarts
 from .grid import Pixels
@@ -22,7 +24,6 @@ from .judge import BlockedJob, CustomJob
 from .sequential import LOOK
 from .spec import MapPart, MapSpec
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 

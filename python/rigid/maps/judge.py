@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.arrays import Floats
 from ..model.judged import Custom, States
 from ..rotations.apply import to_body
 from ..solve.closed_form import NO_FORM, closed_forms
@@ -24,7 +25,6 @@ from .core_request import CoreRequest
 from .grid import Pixels
 from .spec import MapSpec
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 ROWS = 2**16

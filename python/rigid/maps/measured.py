@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, numbers
+from .._checks.arrays import Floats
 from ..model.measures import Measure
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 BIN = 10

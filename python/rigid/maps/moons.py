@@ -22,16 +22,14 @@ Moon that spins about the normal of its orbit, with axis 1 along the line of aps
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .._checks.arrays import Floats
 from .._libration import frequencies
 from ..model.orbit import Orbit
 from ..model.sampled import Sampled
 from ..rotations import quaternion_to_matrix
 from .satellites import Predicted
 from .spec import MapSpec
-
-Floats = NDArray[np.float64]
 
 PLACES = 256
 """Eccentric anomalies of a mean over the orbit: the rule is exact to rounding up to e = 0.95."""

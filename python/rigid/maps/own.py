@@ -8,16 +8,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief
-from .._checks.arrays import attitudes, vectors
+from .._checks.arrays import Floats, attitudes, vectors
 from ..model.scene import SCENES, Scene
 from ..model.sourced import Sourced
 from ..model.start import Start
 from .axes import Axis, make_axes
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._checks.arrays import Floats
+from .._timing import LEAST_STEPS
 from ..model.body import Body
 from ..model.criterion import Criterion
 from ..model.forces import forces_in_words
@@ -29,12 +31,9 @@ from ..solve.plan import (
     shortest_and_most,
     why_unforeseen,
 )
-from ..solve.timing import LEAST_STEPS
 from .axes import Axis
 from .judge import TOLERANCE, is_adaptive
 from .spec import MapSpec
-
-Floats = NDArray[np.float64]
 
 
 def map_plan(spec: MapSpec) -> Plan:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief, finite_float, nearest
+from .._checks.arrays import Floats
 from ..drawing import colours
 from ..drawing.along import write_along
 from ..drawing.colours import on_ground
@@ -29,8 +30,6 @@ from .words import axis_label, class_words, default_title
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-
-Floats = NDArray[np.float64]
 
 SHARE, COST = "share", "cost"
 """The quantity drawn by default, and the processor time."""

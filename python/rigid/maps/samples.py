@@ -12,15 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief
+from .._checks.arrays import Floats
 from .._checks.quantities import plain
 from .._checks.shown import short_repr
-from ..solve.sensitivity import amplification
 from ..solve.status import Status
+from ..solve.tangent import amplification
 from .data import MapData
 from .job import requests
 from .replay import named_outcomes, pixel_index
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 

@@ -25,16 +25,15 @@ import math
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .._checks.arrays import Floats
+from .._energy_loss import mean_loss
 from .._libration import squares
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.orbit import Orbit
 from ..rotations import quaternion_to_matrix
-from ..solve.energy_loss import mean_loss
 from .spec import MapSpec
 
-Floats = NDArray[np.float64]
 Predicted: TypeAlias = tuple[str, Floats, dict[str, Floats]]
 """Label, share of each pixel, and the lines where a number of each pixel is zero."""
 

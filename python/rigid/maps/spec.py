@@ -24,12 +24,13 @@ from ..model.function import TorqueFunction
 from ..model.judged import Custom
 from ..model.measures import Measure, asks_for_an_axis, check_distinct, make_measures
 from ..model.mixture import Mixture, start_from_dict
+from ..model.noise import Noise
 from ..model.orbit import Orbit
 from ..model.parameters import OF_RUN
 from ..model.scene import FreeBody, Scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..model.sourced import Sourced
-from ..model.start import Noise, Start
+from ..model.start import Start
 from ..model.time_unit import ORBIT, SECONDS, Clock, TimeUnit, clock_of
 from ..solve.choose_method import NO_BOUND
 from ..solve.closed_form import FORCED_RULE, NO_FORM, closed_forms, question_words, rule

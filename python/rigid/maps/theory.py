@@ -52,17 +52,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.arrays import Floats
 from .._checks.shown import angle_words
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.forces import FORCES
+from ..model.noise import Noise
 from ..model.scene import FreeBody, HeavyTop
-from ..model.start import Noise, Start
+from ..model.start import Start
 from .data import MapData
 from .moons import attitude_resonances, spin_orbit_resonances
 from .satellites import NORMAL_REACH, RAYLEIGH_HALF, Predicted, flat_spin, on_orbit
 from .spec import MapSpec
 
-Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 SMALL = 0.05

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import brief, of_known, positive_int
+from .._checks.arrays import Floats
 from .._moments import can_move
 from ..model.body import Body
+from ..model.noise import Noise
 from ..model.parameters import (
     AT_REST,
     OF_RUN,
@@ -25,10 +27,9 @@ from ..model.parameters import (
 )
 from ..model.scene import Scene, check_scene
 from ..model.seed import seed_from
-from ..model.start import Noise, Start
+from ..model.start import Start
 from .axes import Axis, check_once, check_places, in_order
 
-Floats = NDArray[np.float64]
 Numbers = NDArray[np.uint64]
 
 MOST_DRAWS = 1000
@@ -63,6 +64,9 @@ class Varied:
 def make_varied(vary: object) -> tuple[Varied, ...]:
     """The varied parameters of an argument ``vary``, a dict of names and distributions.
 
+    They are in the order of their names, whatever the order in the dict: a parameter is drawn by
+    its place, and a file may keep the entries of a dict in another order.
+
     Raises
     ------
     TypeError, ValueError
@@ -90,7 +94,7 @@ def make_varied(vary: object) -> tuple[Varied, ...]:
                 f"vary[{name!r}] = {given}: must be rigid.normal(size), rigid.uniform(size), with "
                 "one size, or rigid.uniform(low, high)"
             )
-    return tuple(Varied(name, noise) for name, noise in vary.items())
+    return tuple(Varied(name, noise) for name, noise in sorted(vary.items()))
 
 
 def _is_of_body(row: Parameter) -> bool:

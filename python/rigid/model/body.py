@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, finite_float, first_place, numbers, shaped, vector
+from .._checks.arrays import Floats
 from .._checks.quantities import LARGE_SIDE, LEAST_DENSITY, without_unit
 from .._checks.warned import warn_caller
 from .._moments import (
@@ -22,28 +23,26 @@ from .._moments import (
     rods,
     symmetric_tensor,
 )
-from .forces import forces_in_words
-from .gravity import checked_properties
-from .leading import (
+from .batch import (
     ByValue,
     Index,
     Shape,
     axes_of,
+    batch_shape,
     frozen,
     holds,
     index_of_bodies,
-    leading_shape,
     taken,
     vector_of,
 )
+from .forces import forces_in_words
+from .gravity import checked_properties
 
 if TYPE_CHECKING:
     from os import PathLike
 
     from ..inertia.mass_properties import MassProperties
 
-
-Floats = NDArray[np.float64]
 
 Moments: TypeAlias = tuple[float, float, float] | Floats
 """Principal moments of one body, or of many bodies with shape (..., 3)."""
@@ -849,7 +848,7 @@ def _warn_of_units(sides: tuple[float, float, float], mass: float) -> None:
 
 def _together(**sizes: float | Floats) -> Shape:
     """The axes of bodies with these sizes; ValueError if they do not broadcast."""
-    return leading_shape({name: np.shape(size) for name, size in sizes.items()})
+    return batch_shape({name: np.shape(size) for name, size in sizes.items()})
 
 
 def _size(name: str, value: ArrayLike, *, zero: bool = False) -> float | Floats:
@@ -962,6 +961,6 @@ def _checked_mass(value: ArrayLike, shape: Shape) -> float | Floats:
     if not np.ndim(value):
         return finite_float("mass", value, positive=True)
     array = shaped("mass", value, positive=True)
-    if leading_shape({"moments": shape, "mass": array.shape}) != shape:
+    if batch_shape({"moments": shape, "mass": array.shape}) != shape:
         raise ValueError(f"mass: expected shape {shape} or (), got {array.shape}")
     return frozen(np.broadcast_to(array, shape))

@@ -19,6 +19,7 @@ import sys
 import textwrap
 from collections.abc import Callable, Iterator, Mapping
 from hashlib import sha256
+from importlib.util import find_spec
 from pathlib import Path
 from types import CodeType, FunctionType, MappingProxyType, MethodType, ModuleType
 from typing import Any
@@ -402,8 +403,6 @@ def _package(module: str | None) -> str:
 
 def _is_installed(module: str | None) -> bool:
     """Whether a module belongs to Python, to rigid or to an installed package."""
-    from importlib.util import find_spec  # takes longer to import than this module
-
     package = _package(module)
     if package in ("", "rigid", "__main__"):
         return package != "__main__"

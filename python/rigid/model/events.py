@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, one_of, vector
+from .._checks.arrays import Floats
 from .._checks.quantities import without_unit
 from .._core import MOST_STATES
+from .batch import three
 from .compiling import taken_by
 from .frame import turned
-from .leading import Floats, three
 from .orbit_axes import (
     ANGLES,
     DIRECTIONS,

@@ -8,12 +8,11 @@ BLAS have other bits on other machines.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .._checks.arrays import Floats
 from ..rotations import matrix_to_quaternion, quaternion_to_matrix
 from ..rotations.quaternions import product_of_checked
-
-Floats = NDArray[np.float64]
 
 
 def checked_frame(frame: ArrayLike) -> Floats:

@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, shaped
+from .._checks.arrays import Floats
 from .._core import MOST_STATES
+from .batch import ByValue, Index, Shape, axes_of, batch_shape, frozen, taken
 from .compiling import UNKNOWN, Callback, of_python
-from .leading import ByValue, Index, Shape, axes_of, frozen, leading_shape, taken
-
-Floats = NDArray[np.float64]
 
 NO_STATES = "states: the scene has none; give Torque.call(..., states=k)"
 
@@ -111,7 +110,7 @@ class TorqueFunction(ByValue):
     @property
     def shape(self) -> Shape:
         """The axes of the bodies: ``()`` if all have the same data and start."""
-        return leading_shape({"data": axes_of(self.data, 1), "states": axes_of(self.start, 1)})
+        return batch_shape({"data": axes_of(self.data, 1), "states": axes_of(self.start, 1)})
 
     def of(self, shape: Shape, index: Index) -> TorqueFunction:
         """The function with the data of some of the bodies of this shape."""

@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import brief, finite_float, vector
-from .leading import Floats, Vector, three
+from .._checks.arrays import Floats
+from .batch import Vector, three
 
 
 def about_pivot(

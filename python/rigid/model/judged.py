@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import one_of, sorted_times
+from .._checks.arrays import Floats
 from .._checks.quantities import plain
 from .criterion import Condition, Criterion
 from .sourced import Sourced
-
-Floats = NDArray[np.float64]
 
 RECORDS = ("attitude", "axis", "rates")
 

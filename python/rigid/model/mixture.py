@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, numbers
-from .start import Start, cumulative
+from .noise import cumulative
+from .start import Start
 
 MOST_STARTS = 16
 

@@ -15,7 +15,7 @@ from .._checks.arrays import UNIT, AttitudeLike, Floats, attitudes, unit_vectors
 from ..rotations import matrix_to_quaternion
 from ..rotations.apply import to_body
 from ..rotations.quaternions import product_of_checked
-from .leading import ByValue, Shape, Vector, frozen, leading_shape, vector_of
+from .batch import ByValue, Shape, Vector, batch_shape, frozen, vector_of
 from .sampled import Sampled, reached, table_times
 
 MOST_ECCENTRIC = 0.95
@@ -173,7 +173,7 @@ class Orbit(ByValue):
         """The axes of the bodies: ``()`` of one orbit, ``(n,)`` of one for each of n bodies."""
         shapes = {name: np.shape(getattr(self, name)) for name in self.__slots__}
         axes = {name: shapes[name][:-1] for name in ("normal", "periapsis")}
-        return leading_shape({**shapes, **axes})
+        return batch_shape({**shapes, **axes})
 
     @property
     def gm(self) -> float | Floats:
@@ -247,8 +247,8 @@ class Orbit(ByValue):
 
         Between the times ``sqrt(3 gm/r³) o`` is a cubic spline, where ``r o`` is the position. The
         run that tells the errors of a motion takes another spline, which differs from it by a third
-        of its distance from the spline of every second sample: so the stated error contains the
-        error of the spline.
+        of its distance from the spline of every second sample: so the stated errors, of states, of
+        times of events and of growth, contain the error of the spline.
 
         Parameters
         ----------
@@ -404,7 +404,7 @@ class Orbit(ByValue):
         rates = vectors("omega", omega)
         relative, times = attitudes(attitude), shaped("t", t)
         leading = {"omega": rates.shape[:-1], "attitude": relative.shape[:-1], "t": times.shape}
-        shape = leading_shape({"orbit": self.shape, **leading})
+        shape = batch_shape({"orbit": self.shape, **leading})
         frame, turning = self._turning(np.broadcast_to(times, shape)[..., np.newaxis])
         turned = product_of_checked(matrix_to_quaternion(frame[..., 0, :, :]), relative)
         return rates + to_body(relative, turning[..., 0, :]), turned
@@ -553,10 +553,12 @@ class OrbitTable(Sampled, Orbit):
         return OrbitTable, (self.t, self.positions, self.gm)
 
     def __getattr__(self, name: str) -> Any:
-        if name in Orbit.__slots__:
-            raise ValueError(
-                f"orbit = {self!r}: has no {name}, which this needs; a table of positions takes "
-                "part in runs and maps, give rigid.Orbit or rigid.Orbit.flyby for the rest"
+        # Python asks for a property of ellipses, too, after it has not found one of their numbers.
+        if hasattr(Orbit, name):
+            raise _NotOfTablesError(
+                f"orbit = {self!r}: has no rate, eccentricity, anomaly or periapsis, which this "
+                "needs; a table of positions takes part in runs and maps, give rigid.Orbit or "
+                "rigid.Orbit.flyby for the rest"
             )
         raise AttributeError(name)
 
@@ -621,6 +623,10 @@ class OrbitTable(Sampled, Orbit):
     def words(self, varied: Container[str] = ()) -> str:
         """The trajectory in a few words."""
         return f"orbit by a table of {len(self.t)} times"
+
+
+class _NotOfTablesError(ValueError, AttributeError):
+    """A table has no such attribute, and is a wrong value where an ellipse or a flyby is needed."""
 
 
 _UNEVEN = 2.0 + 1e-9

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief
-from .leading import Floats, three
+from .._checks.arrays import Floats
+from .batch import three
 from .sampled import Sampled
 from .scene import Scene
 from .start import body_axis

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import shaped, sorted_times
+from .._checks.arrays import Floats
+from .batch import Index, Shape, frozen, taken
 from .frame import turned
-from .leading import Floats, Index, Shape, frozen, taken
 
 
 class Sampled:
@@ -141,7 +142,7 @@ class RotorTable(Sampled):
         >>> rigid.RotorTable([0.0, 4.0], [(0, 0, 0), (0, 0, 2)]).at([1.0])[:, 2].tolist()
         [0.5]
         """
-        return linear(self.t, self.momentum, reached("rotor", self.t, t))
+        return linear("rotor", self.t, self.momentum, t)
 
     def words(self) -> str:
         """The rotor in a few words."""
@@ -166,14 +167,14 @@ def reached(name: str, knots: Sequence[float] | Floats, t: ArrayLike) -> Floats:
     return times
 
 
-def linear(times: Sequence[float] | Floats, values: ArrayLike, t: Floats) -> Floats:
-    """A piecewise linear table at times inside it; after a jump, but for the last time."""
-    array = np.array(values)
-    if not len(times):
-        return np.broadcast_to(array, (*array.shape[:-2], len(t), 3)).copy()
-    knots = np.array(times)
-    piece = np.clip(np.searchsorted(knots, t, side="right") - 1, 0, len(knots) - 2)
-    return on_piece(knots, array, piece, t)
+def linear(name: str, knots: Sequence[float] | Floats, values: ArrayLike, t: ArrayLike) -> Floats:
+    """A piecewise linear table at times that it reaches; after a jump, but for the last time."""
+    times, array = reached(name, knots, t), np.array(values)
+    if not len(knots):
+        return np.broadcast_to(array, (*array.shape[:-2], len(times), 3)).copy()
+    begins = np.array(knots)
+    piece = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(begins) - 2)
+    return on_piece(begins, array, piece, times)
 
 
 def on_piece(knots: Floats, values: Floats, piece: NDArray[np.intp], t: Floats) -> Floats:

@@ -19,27 +19,28 @@ from numpy.typing import ArrayLike
 from .. import _core
 from .._checks.arguments import brief, finite_float, numbers, one_of, shaped, vector
 from .._checks.arrays import Floats, unit_vectors
-from .body import Body, check_body, pair_hint, require_one
-from .forces import FORCES, EnergySink, Force, forces_in_words
-from .frame import checked_frame, turned, turned_matrix
-from .function import NO_STATES
-from .gravity import about_pivot, checked_properties
-from .leading import (
+from .batch import (
     ByValue,
     Index,
     Shape,
     Vector,
     axes_of,
+    batch_shape,
     frozen,
     holds,
     index_of_bodies,
-    leading_shape,
     taken,
     vector_of,
 )
+from .body import Body, check_body, pair_hint, require_one
+from .forces import FORCES, EnergySink, Force, forces_in_words
+from .frame import checked_frame, turned, turned_matrix
+from .function import NO_STATES
+from .gravity import about_pivot, checked_properties
+from .noise import normal
 from .orbit import Orbit
 from .sampled import RotorTable, Sampled
-from .start import Start, normal
+from .start import Start
 from .torque import (
     Damping,
     Torque,
@@ -146,7 +147,7 @@ class Scene(ByValue, ABC):
             shapes["damping"] = axes_of(self.damping, 2)
         for force, value in self.further():
             shapes[force.name] = force.shape(value)
-        return leading_shape(shapes)
+        return batch_shape(shapes)
 
     def __len__(self) -> int:
         return holds(self.shape)

@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, first_place, numbers, shaped, sorted_times
+from .batch import ByValue, Index, Shape, axes_of, batch_shape, frozen, taken
 from .forces import FORCES
 from .frame import turned
 from .function import NO_STATES, TorqueFunction
-from .leading import ByValue, Index, Shape, axes_of, frozen, leading_shape, taken
-from .sampled import Sampled, linear, on_piece, reached
+from .sampled import Sampled, linear, on_piece
 
 Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
@@ -65,7 +65,7 @@ class Torque(ByValue):
         own = axes_of(self.in_body, 2)
         if self.function is None:
             return own
-        return leading_shape({"torque": own, "data": self.function.shape})
+        return batch_shape({"torque": own, "data": self.function.shape})
 
     def of(self, shape: Shape, index: Index) -> Torque:
         """The torque of some of the bodies of this shape."""
@@ -307,7 +307,7 @@ class Torque(ByValue):
             [_at(torque.times, values, knots) for values in (torque.in_body, torque.in_space)]
             for torque in (self, other)
         ]
-        leading_shape({"torque": self.shape, "other torque": other.shape})
+        batch_shape({"torque": self.shape, "other torque": other.shape})
         body, space = (_vectors(parts[0][frame] + parts[1][frame]) for frame in (0, 1))
         if self.function is not None and other.function is not None:
             raise ValueError("torque: both are functions; write one function for their sum")
@@ -353,8 +353,8 @@ class Torque(ByValue):
         >>> ramp.at([1.0, 2.0])[0][:, 2].tolist()
         [0.5, 1.0]
         """
-        times = reached("torque", self.times, t)
-        body, space = (linear(self.times, part, times) for part in (self.in_body, self.in_space))
+        parts = (self.in_body, self.in_space)
+        body, space = (linear("torque", self.times, part, t) for part in parts)
         return body, space
 
     def words(self) -> str:

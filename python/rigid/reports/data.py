@@ -8,17 +8,14 @@ import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self, TypeVar
+from pathlib import Path
+from typing import Any, Self, TypeVar
 
 from .._checks.arguments import brief, finite_float, one_line
 from .._files import published
 from ..solve.methods import EXACT
 from .reference import Reference, Unbounded
 from .spec import ReportSpec
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
 
 FORMAT, FORMAT_VERSION = "rigid report", 1
 
@@ -58,10 +55,10 @@ class Row:
         Angle between the last attitude and the true one (rad), of the worst body; at least the
         uncertainty of the reference, infinite if none is known.
     energy_drift, momentum_drift : float
-        As in :class:`rigid.Run`, worst of the ensemble: of the last state, or, in a report over
-        revolutions, of states on the way. There the momentum of a body without torque, damping and
-        other forces is that in space; of a top, its component along the vertical, and that along
-        the axis of a symmetric top.
+        As in :class:`rigid.Run`, worst of the ensemble, infinite if not known: of the last state,
+        or, in a report over revolutions, of states on the way. There the momentum of a body without
+        torque, damping and other forces is that in space; of a top, its component along the
+        vertical, and that along the axis of a symmetric top.
     order : float or None
         Measured order: slope from the row before, if both errors are well above rounding and below
         0.1.
@@ -301,8 +298,6 @@ class ReportData:
         OSError
             If the file cannot be written, or the path names something other than a file.
         """
-        from pathlib import Path
-
         text = self.to_json() + "\n"
         with published(path, [".json"]) as file:
             file.write(text.encode())

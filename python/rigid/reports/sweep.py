@@ -24,6 +24,7 @@ from .._checks.arrays import Floats
 from ..model.scene import Scene
 from ..solve.methods import EXACT
 from ..solve.run import Run
+from ..solve.status import ARRIVED
 from .data import AT_UNCERTAINTY, FAILED, REFERENCE, USELESS, Row, at_common_time
 from .ensemble import Ensemble
 from .reference import LOST, Horizon, Reference
@@ -115,7 +116,7 @@ class Sweep:
     def _next_angle(self, horizon: Horizon) -> tuple[int, float] | None:
         """Half the angle of the last step, until shorter steps make no error smaller."""
         tried = [run for run, *_ in self.runs.values()]
-        kept = [run for run in tried if run.energy_drift < LOST_ENERGY]
+        kept = [run for run in tried if not run.energy_drift >= LOST_ENERGY]
         if kept and kept[-1] is tried[-1]:
             *before, last = [run.lasting_errors(horizon.reference) for run in kept]
             if not (last < 0.5 * np.min(before, axis=0, initial=np.inf)).any():
@@ -132,7 +133,9 @@ class Sweep:
         """The runs that the report has, from long steps to short ones."""
         runs = [self.runs[steps] for steps in sorted(self.runs)]
         runs = [one for one in runs if one[0].call > 0.0]  # no step was too long to be stable
-        return [one for one in runs if one[0].angle is None or one[0].energy_drift < LOST_ENERGY]
+        return [
+            one for one in runs if one[0].angle is None or not one[0].energy_drift >= LOST_ENERGY
+        ]
 
     def rows(self, horizons: Sequence[Horizon]) -> list[Row]:
         """The rows of a report over each horizon, from long steps to short ones."""
@@ -170,7 +173,7 @@ class Measured:
     rates, attitude : ndarray, shape (n,)
         Errors of each body.
     energy_drift, momentum_drift : float
-        Worst of the ensemble.
+        Worst of the ensemble; NaN if none is known, as on the clock of an orbit.
     call : float
         Processor time of the run that gave the errors (ns).
     angle : float or None
@@ -198,7 +201,7 @@ class Measured:
         return max(float(self.attitude.max()), reference.worst)
 
     def lasting_errors(self, reference: Reference) -> Floats:
-        """Energy, momentum and phase; at least rounding, and infinite if one is lost."""
+        """Energy, momentum and phase; at least rounding, and infinite if lost or not known."""
         errors = [
             max(self.energy_drift, ROUNDING),
             max(self.momentum_drift, ROUNDING),
@@ -241,8 +244,8 @@ class Measured:
             rates_error=max(float(np.median(self.rates)), floor),
             attitude_error=max(float(np.median(self.attitude)), floor),
             phase=self.phase(reference),
-            energy_drift=self.energy_drift,
-            momentum_drift=self.momentum_drift,
+            energy_drift=math.inf if math.isnan(self.energy_drift) else self.energy_drift,
+            momentum_drift=math.inf if math.isnan(self.momentum_drift) else self.momentum_drift,
             order=order,
             mark=mark,
         )
@@ -310,7 +313,7 @@ def _longer(horizon: Horizon, method: str, before: Measured, call: float) -> Mea
     """A step over the next horizon; not run if the energy is lost already."""
     assert before.angle is not None
     steps = math.ceil(math.tau * horizon.revolutions / before.angle)
-    if not before.energy_drift < LOST:
+    if before.energy_drift >= LOST:
         return replace(_failed(horizon, steps, before.angle), call=call)
     now = _measure(horizon, method, steps, before.angle)
     # Output times of a longer run are sparser: what was seen before was there too.
@@ -331,8 +334,8 @@ def _measure(horizon: Horizon, method: str, steps: int, angle: float | None) -> 
     drifts = run.energy_drift, run.momentum_drift
     if angle is not None:
         drifts = run.energy_drift, _momentum_errors(ensemble.spec.scene, run)
-    # A drift that is not a number is infinite.
-    energy, momentum = (float(np.where(np.isnan(one), np.inf, one).max()) for one in drifts)
+    arrived = np.isin(run.status, ARRIVED)
+    energy, momentum = (float(np.fmax.reduce(np.where(arrived, one, np.inf))) for one in drifts)
     taken = int(run.steps.max())
     return Measured(taken, rates, attitude, energy, momentum, float(run.nanoseconds), angle)
 

@@ -140,11 +140,15 @@ def _front(report: ReportData) -> list[str]:
                 "-" if row.spread is None else time_text(row.spread, 1),
                 f"{'<' if row.mark in (REFERENCE, AT_UNCERTAINTY) else ''}{row.error:.1e}",
                 f"{row.worst:.1e}",
-                f"{row.energy_drift:.0e}",
-                f"{row.momentum_drift:.0e}",
+                _drift_text(row.energy_drift),
+                _drift_text(row.momentum_drift),
             ]
         )
     return _aligned(table)
+
+
+def _drift_text(drift: float) -> str:
+    return f"{drift:.0e}" if math.isfinite(drift) else "-"
 
 
 def _listed(values: Sequence[float]) -> str:
@@ -260,10 +264,13 @@ def _beginning(report: ReportData, row: Row) -> list[str]:
 
 
 def _error_text(report: ReportData, row: Row, name: str) -> str:
-    """An error as text: ``lost`` where it is 1 or more, ``-`` where no phase is known."""
+    """An error as text: ``lost`` where it is 1 or more, ``-`` where it is not known."""
     error = getattr(row, ERRORS[name])
     reference = report.references[report.spec.horizons.index(row.revolutions)]
     if name == "phase" and not reference.method:
+        return "-"
+    # A step whose drift is infinite over the first revolutions has rows only if it is not known.
+    if name != "phase" and math.isinf(getattr(report.growth(row)[0], ERRORS[name])):
         return "-"
     if not error < 1.0:
         return "lost"

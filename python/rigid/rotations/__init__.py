@@ -13,11 +13,13 @@ quaternions                    quaternion_product, quaternion_to_matrix,
 Euler angles                   euler_to_matrix, matrix_to_euler, euler_to_quaternion,
                                quaternion_to_euler
 their rates                    euler_axes, omega_from_euler_rates, euler_rates_from_omega
-along a motion                 omega_from_attitudes, attitude_from_omega
+along a motion                 omega_from_attitudes, attitude_from_omega,
+                               attitude_from_samples
 repair of matrices             orthogonality_error, nearest_rotation
 =============================  ===========================================================
 
-The package uses NumPy and ``_checks`` only. All physics modules use it.
+The package uses NumPy and ``_checks`` only; a spline of samples needs SciPy. All physics modules
+use the package.
 """
 
 from __future__ import annotations
@@ -44,7 +46,12 @@ from .quaternions import (
     quaternion_product,
     quaternion_to_matrix,
 )
-from .sampled import AttitudePath, attitude_from_omega, omega_from_attitudes
+from .sampled import (
+    AttitudePath,
+    attitude_from_omega,
+    attitude_from_samples,
+    omega_from_attitudes,
+)
 from .so3 import (
     Orthogonality,
     axis_angle_matrix,
@@ -61,6 +68,7 @@ __all__ = [
     "EulerRates",
     "Orthogonality",
     "attitude_from_omega",
+    "attitude_from_samples",
     "axis_angle_matrix",
     "canonical_quaternion",
     "euler_axes",

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from .._checks.arrays import Floats
 
 
 def to_space(attitude: Floats, vector: Floats) -> Floats:

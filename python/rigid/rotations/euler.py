@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import first_place, one_of, shaped
+from .._checks.arrays import Floats
 from .quaternions import canonical_quaternion
 from .so3 import rotation_matrices
-
-Floats = NDArray[np.float64]
 
 FRAMES = ("body", "space", "node")
 

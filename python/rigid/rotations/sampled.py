@@ -7,14 +7,15 @@ been measured or the angular velocity is prescribed.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, inf, log2, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, one_of, shaped, sorted_times
 from .._checks.arrays import AttitudeLike, Floats
+from .._checks.extras import install_extra
 from .quaternions import conjugate, exp_quaternion, log_quaternion, quaternion_product, quaternions
 
 MOST_STEPS = 2**20
@@ -28,6 +29,9 @@ _FIRST_STEPS = 64
 
 _SMALLEST_TOLERANCE = 1e-14
 
+_FEWEST_SAMPLES = 4
+"""A spline through fewer samples is no cubic."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class AttitudePath:
@@ -40,7 +44,8 @@ class AttitudePath:
     attitude : ndarray, shape (..., m, 4)
         Unit quaternions, continuous in time.
     error : float
-        Error estimate: the largest angle (rad) by which halving the steps changed an attitude.
+        Error estimate: the largest angle (rad) by which halving the steps changed an attitude; of
+        samples also what follows from every second one.
     steps : int
         Number of steps in all intervals together.
     """
@@ -101,16 +106,8 @@ def omega_from_attitudes(attitude: AttitudeLike, t: ArrayLike, *, frame: str = "
     """
     q = quaternions("attitude", attitude)
     one_of("frame", frame, ("body", "space"))
-    times = sorted_times("t", t)
-    if q.ndim < 2 or q.shape[-2] != len(times) or len(times) < 2:
-        raise ValueError(
-            f"t: expected the times of at least two attitudes, got shape {times.shape} "
-            f"for quaternions of shape {q.shape}"
-        )
+    times = _times_of("attitudes", q, t, at_least=2)
     gaps = np.diff(times)[:, None]
-    if not np.all(gaps > 0.0):
-        k = int(np.argmin(gaps[:, 0]))
-        raise ValueError(f"t[{k}] = t[{k + 1}] = {times[k]}: times must be strictly ascending")
     before, after = q[..., :-1, :], q[..., 1:, :]
     if frame == "body":
         turn = quaternion_product(conjugate(before), after)
@@ -147,8 +144,7 @@ def attitude_from_omega(
     ----------
     omega : callable
         Given times of shape ``(k,)``, returns the angular velocity (rad/s), shape ``(k, 3)``, or
-        ``(..., k, 3)`` for many bodies. If you have samples, interpolate them, for example by
-        ``scipy.interpolate.CubicSpline(t, samples)``.
+        ``(..., k, 3)`` for many bodies. For samples see :func:`attitude_from_samples`.
     t : array_like, shape (m,)
         Ascending times (s).
     attitude : array_like, shape (..., 4) or (..., 3, 3), or SciPy Rotation, optional
@@ -183,7 +179,7 @@ def attitude_from_omega(
     if not callable(omega):
         raise TypeError(
             f"omega = {brief(omega)}: must be a function of the times; of samples take "
-            "scipy.interpolate.CubicSpline(t, omega)"
+            "attitude_from_samples"
         )
     times = sorted_times("t", t)
     if len(times) == 0:
@@ -210,6 +206,91 @@ def attitude_from_omega(
         coarse, path = path, _path(omega, times, each, start, frame)
         error = _largest_angle(coarse, path)
     return AttitudePath(t=times, attitude=path, error=error, steps=each * intervals)
+
+
+def attitude_from_samples(
+    omega: ArrayLike,
+    t: ArrayLike,
+    attitude: AttitudeLike | None = None,
+    *,
+    frame: str = "body",
+    tolerance: float = 1e-10,
+) -> AttitudePath:
+    """Attitudes that follow from sampled angular velocities (rad/s), as a gyroscope records them.
+
+    A cubic spline through the samples is the rate that :func:`attitude_from_omega` integrates. The
+    attitudes of smooth rates have order 4 in the length of the intervals.
+
+    Parameters
+    ----------
+    omega : array_like, shape (..., m, 3)
+        Angular velocity (rad/s) at four or more times. If a gyroscope measures angles, divide each
+        by its interval and take the time in its middle.
+    t : array_like, shape (m,)
+        Times (s), strictly ascending; they may be uneven.
+    attitude : array_like, shape (..., 4) or (..., 3, 3), or SciPy Rotation, optional
+        Attitude at ``t[0]``; without it, the axes of body and space coincide.
+    frame : {"body", "space"}
+        Frame of the components of ``omega``.
+    tolerance : float
+        Largest estimated error (rad) of the integration of the spline, at least 1e-14.
+
+    Returns
+    -------
+    AttitudePath
+        At the times of the samples. Its ``error`` contains the error of the spline: a third of the
+        largest angle by which attitudes change if every second sample is left out. The error of
+        the spline is less if it falls with the square of the intervals or faster. Noise of the
+        samples, and what happens between them, is not in it.
+
+    Raises
+    ------
+    ImportError
+        If SciPy is missing.
+    ValueError
+        If the numbers of times and samples differ, the times are not strictly ascending, the rates
+        are not finite, or ``2**20`` steps do not reach the tolerance.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rigid import rotations
+    >>> t = np.linspace(0.0, 2.0, 41)
+    >>> samples = np.stack([np.cos(3 * t), np.sin(3 * t), 0 * t + 2.0], axis=-1)
+    >>> path = rotations.attitude_from_samples(samples, t)
+    >>> path.attitude.shape, path.error < 1e-5
+    ((41, 4), True)
+    """
+    rates = shaped("omega", omega, 3)
+    times = _times_of("samples", rates, t, at_least=_FEWEST_SAMPLES)
+    try:
+        from scipy.interpolate import CubicSpline
+    except ImportError:
+        raise ImportError(install_extra("a spline needs SciPy", "maps")) from None
+
+    def path_of(kept: NDArray[np.intp]) -> AttitudePath:
+        spline = CubicSpline(times[kept], rates[..., kept, :], axis=-2)
+        return attitude_from_omega(spline, times, attitude, frame=frame, tolerance=tolerance)
+
+    path = path_of(np.arange(len(times)))
+    sparse = path_of(np.union1d(np.arange(0, len(times), 2), len(times) - 1))
+    of_spline = _largest_angle(path.attitude, sparse.attitude) / 3.0
+    return replace(path, error=path.error + of_spline)
+
+
+def _times_of(what: str, values: Floats, t: ArrayLike, *, at_least: int) -> Floats:
+    """Strictly ascending times, one for each row of values."""
+    times = sorted_times("t", t)
+    if values.ndim < 2 or values.shape[-2] != len(times) or len(times) < at_least:
+        raise ValueError(
+            f"t: expected the times of at least {at_least} {what}, got shape {times.shape} "
+            f"for {what} of shape {values.shape}"
+        )
+    gaps = np.diff(times)
+    if not np.all(gaps > 0.0):
+        k = int(np.argmin(gaps))
+        raise ValueError(f"t[{k}] = t[{k + 1}] = {times[k]}: times must be strictly ascending")
+    return times
 
 
 def _path(

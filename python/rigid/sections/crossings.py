@@ -13,8 +13,8 @@ from .._checks.arguments import one_of
 from .._checks.arrays import Floats
 from ..drawing.colours import CLASSES, HUES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_with_picture, name_classes
+from ..model.batch import Shape
 from ..model.events import COMPONENTS
-from ..model.leading import Shape
 from ..model.orbit import Orbit
 from ..rotations import quaternion_to_matrix
 from ..solve.columns import Column, Columns, Result

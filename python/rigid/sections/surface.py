@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, one_of, vector
 from .._checks.arrays import Floats
+from ..model.batch import three
 from ..model.events import COMPONENTS, PLANE, WORDS, Event, check_reached, checked_direction
-from ..model.leading import three
 from ..model.scene import HeavyTop, Scene
 
 HEIGHT = "height"

@@ -12,9 +12,10 @@ The package uses :mod:`rigid.inertia` and ``_checks``. :class:`rigid.Body` uses 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import first_place, shaped
+from .._checks.arrays import Floats
 from .._checks.overflow import refuses_overflow
 from .._moments import box_moments
 from ..inertia.mass_properties import MassProperties
@@ -46,8 +47,6 @@ __all__ = [
     "sampled_density",
     "sphere",
 ]
-
-Floats = NDArray[np.float64]
 
 
 @refuses_overflow

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, shaped, vector
+from .._checks.arrays import Floats
 from ..inertia.mass_properties import MassProperties, point_masses
-
-Floats = NDArray[np.float64]
 
 ORDERS = (4, 6, 8, 12, 16, 24, 32, 48, 64)
 """Numbers of Gauss points along each coordinate, tried in this order."""

@@ -7,8 +7,10 @@ of any bit is found. A reader knows the size of an array before it reads it.
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
+import zipfile
 from collections.abc import Mapping
 from typing import Any, BinaryIO
 
@@ -40,8 +42,6 @@ class DamageError(FileError):
 
 def write_archive(path: str | os.PathLike[str], arrays: Mapping[str, Any]) -> None:
     """Write arrays by their names into one file, which appears whole or not at all."""
-    import zipfile  # here and below: takes longer to import than all of rigid
-
     with published(path, ARRAYS) as whole:
         with zipfile.ZipFile(whole, "w", zipfile.ZIP_STORED) as archive:
             for name, values in arrays.items():
@@ -66,8 +66,6 @@ class Archive:
     """
 
     def __init__(self, file: BinaryIO, directory: int = 2**32) -> None:
-        import zipfile
-
         self.length = _archive_length(file)
         if _directory_size(file, self.length) > directory:
             raise ForeignError(f"its directory is larger than {directory} B")
@@ -125,8 +123,6 @@ def _write_seal(file: BinaryIO) -> None:
 
 def _seal(file: BinaryIO, length: int) -> bytes:
     """The digest of the first bytes of a file."""
-    import hashlib  # here: takes longer to import than the rest of this module
-
     digest = hashlib.sha256()
     file.seek(0)
     while length > 0:

@@ -1,4 +1,4 @@
-"""Ranges of times and evenly spread indices, as planning, integration and estimates need them."""
+"""Rows of bodies, ranges of times, lengths of vectors and roots of numbers."""
 
 from __future__ import annotations
 
@@ -9,11 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arrays import Floats
-
-
-def largest(values: Floats) -> float:
-    """The largest of some numbers and 0, without a reduction, which is slow, for one number."""
-    return max(float(values[0]), 0.0) if len(values) == 1 else float(values.max(initial=0.0))
 
 
 def lengths(vectors: Floats) -> Floats:
@@ -46,13 +41,6 @@ def time_ranges(times: Floats) -> Range:
     if not times.shape[1]:
         return np.zeros(len(times)), np.zeros(len(times))
     return np.minimum(times[:, 0], 0.0), np.maximum(times[:, -1], 0.0)
-
-
-def spread_indices(count: int, most: int) -> NDArray[np.intp]:
-    """At most ``most`` indices below ``count``, evenly spread, the last one among them."""
-    # From the last to the first: a single one is the last.
-    spread = (count - 1) - np.linspace(0, count - 1, min(count, most))
-    return np.unique(spread.round().astype(np.intp))
 
 
 def in_rows(array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:

@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arrays import IDENTITY, AttitudeLike, Floats, attitudes, unit_quaternions, vectors
 from .._moments import hold_rods, without_spin
+from ..model.batch import Shape, batch_shape
 from ..model.body import rates_of_rods, refuse_rods
 from ..model.frame import attitudes_in_principal_axes, turned
-from ..model.leading import Shape, leading_shape
 from ..model.scene import Scene
 from ..model.torque import NO_EXPONENT, forces_of
 from .arrays import Range, in_rows, rows_of_each
@@ -133,6 +133,10 @@ class Bodies:
         chosen._rates.update({key: rates[bodies] for key, rates in self._rates.items()})
         return chosen
 
+    def doubted(self) -> Self:
+        """The bodies of a second run: the spline of :meth:`Orbit.table` is another by its doubt."""
+        return self if self.forces is None else replace(self, forces=self.forces.doubted())
+
     def kinds_of_forces(self) -> NDArray[np.uint64]:
         """Which forces act on each body, as bits in the order of the core; 0 if none does."""
         if self.forces is None:
@@ -233,12 +237,7 @@ class Bodies:
         fastest = float(swing[0]) if len(swing) == 1 else swing.max(initial=0.0)
         if not fastest**2 < HEAVIEST:
             self._check_weight(scene)
-        if len(swing) == 1:
-            slow = _core.first_slow(self.omega, fastest, SLOWEST)
-        else:
-            rates = np.maximum(np.abs(self.omega).max(axis=1), swing)
-            found = np.flatnonzero((rates > 0.0) & (rates < SLOWEST))
-            slow = int(found[0]) if len(found) else None
+        slow = _core.first_slow(self.omega, swing, SLOWEST)
         if slow is not None:
             rate = max(np.broadcast_to(swing, len(self))[slow], np.abs(self.omega[slow]).max())
             raise ValueError(
@@ -298,6 +297,25 @@ def bodies_of(
         underflow, or the weight, torque or damping so large that they overflow in the unit of the
         moments.
     """
+    rates, attitude, shape = starts_of(scene, omega, attitude, frame=frame, times=times, rod=rod)
+    bodies = Bodies.of_scene(scene, rates, attitude, shape)
+    bodies.check_ranges(scene)
+    return bodies
+
+
+def starts_of(
+    scene: Scene,
+    omega: ArrayLike,
+    attitude: AttitudeLike | None = None,
+    *,
+    frame: NDArray[np.float64] | None = None,
+    times: Shape = (),
+    rod: bool = False,
+) -> tuple[Floats, Floats, Shape]:
+    """Checked rates and unit quaternions of the principal axes, and the axes of the bodies.
+
+    It takes the arguments of :func:`bodies_of`, and refuses the same but for ranges of rates.
+    """
     rates = _core.plain_numbers(omega, 3, kept=True)
     if rates is None:
         rates = vectors("omega", omega)
@@ -317,15 +335,13 @@ def bodies_of(
     shape = scene.shape
     if shape or times or rates.ndim > 1 or attitude.ndim > 1:
         own = rates.shape[:-1], attitude.shape[:-1]
-        shape = leading_shape({"scene": shape, "omega": own[0], "attitude": own[1], "t": times})
+        shape = batch_shape({"scene": shape, "omega": own[0], "attitude": own[1], "t": times})
     if scene.once(holds_rods):
         moments = np.asarray(scene.body.moments)
         if not rod:
             refuse_rods(moments)
         rates = rates_of_rods("omega", rates, moments, scene.weight, scene.forces)
-    bodies = Bodies.of_scene(scene, rates, attitude, shape)
-    bodies.check_ranges(scene)
-    return bodies
+    return rates, attitude, shape
 
 
 def holds_rods(scene: Scene) -> bool:

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from .._checks.extras import install_extra
 from .._files import TABLE, published
+from ..model.batch import Shape
 from ..model.forces import FORCES
-from ..model.leading import Shape
 from ..model.scene import Scene, scene_from_dict
 from .archive import write_archive
 

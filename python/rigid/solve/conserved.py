@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arrays import Floats
-from ..model.leading import Shape
+from ..model.batch import Shape
 from ..model.scene import Scene
 from .arrays import in_rows
 

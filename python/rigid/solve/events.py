@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from .._checks.arguments import brief
 from .._checks.arrays import Floats
+from ..model.batch import Shape
 from ..model.events import Event
 from ..model.frame import turned
-from ..model.leading import Shape
 from ..model.scene import Scene
 from .bodies import Bodies
 from .columns import Column, Columns, HasColumns

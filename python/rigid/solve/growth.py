@@ -13,8 +13,8 @@ from .._checks.arguments import one_of, one_time, positive_int
 from .._checks.arrays import Floats
 from ..drawing.colours import CLASSES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_with_picture, name_classes
+from ..model.batch import Shape
 from ..model.criteria import Regular
-from ..model.leading import Shape
 from .columns import Column, Columns, Result
 from .plan import Plan
 from .status import Status, sentences

@@ -205,7 +205,7 @@ def growth_of(
     if check:
         another = ANOTHER if method == TO_ROUNDING else TO_ROUNDING
         pairs = _pairs(bodies, vectors[:, 0])
-        twice = bodies.select(np.repeat(np.arange(len(bodies)), 2))
+        twice = bodies.select(np.repeat(np.arange(len(bodies)), 2)).doubted()
         again = grown(twice, pairs, another, None, FEWEST_AGAIN)
         apart = np.abs(again["logs"][0::2, output, 0] - log[:, output])
         rounding = ROUNDING * np.maximum(1.0, np.abs(log[:, output]))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +17,8 @@ from .._checks.warned import warn_caller
 from ..model.body import Body
 from ..model.frame import attitudes_in_frame, checked_frame, turned
 from ..model.scene import Scene, check_scene
-from .bodies import bodies_of, holds_rods
+from .arrays import rows_of_each
+from .bodies import bodies_of, holds_rods, starts_of
 from .methods import check_method, method_named, methods
 
 if TYPE_CHECKING:
@@ -82,7 +85,7 @@ class Motion:
     (10.1, 10.0)
     """
 
-    __slots__ = ("_core", "_frame", "_method", "_scene", "_single", "_threads")
+    __slots__ = ("_bodies", "_core", "_frame", "_method", "_scene", "_threads")
 
     def __init__(
         self,
@@ -105,7 +108,7 @@ class Motion:
                 f"{'scene' if len(scene.shape) > 1 else 'omega'}: expected one body or n in a row, "
                 f"got bodies of shape {bodies.shape}"
             )
-        self._single, self._threads = not bodies.shape, threads
+        self._bodies, self._threads = bodies, threads
         self._core = _core.Motion(
             bodies,
             method=method,
@@ -148,14 +151,16 @@ class Motion:
         >>> motion.omega[1].tolist()
         [0.0, 0.0, 0.0]
         """
-        omega = self._core.omega()
+        every = self._core.omega()
         if self._frame is not None:
-            omega = turned(self._frame, omega)
-        return omega[0] if self._single else omega
+            every = turned(self._frame, every)
+        omega: Floats = self._bodies.in_axes(every)
+        return omega
 
     @omega.setter
     def omega(self, omega: ArrayLike) -> None:
-        self._begin("omega", omega, self.attitude)
+        now = self.omega, self.attitude
+        self._begin("omega", now, (omega, now[1]))
 
     @property
     def attitude(self) -> Floats:
@@ -170,23 +175,34 @@ class Motion:
         >>> motion.attitude.tolist()
         [1.0, 0.0, 0.0, 0.0]
         """
-        attitude = self._core.attitude()
+        every = self._core.attitude()
         if self._frame is not None:
-            attitude = attitudes_in_frame(self._frame, attitude)
-        return attitude[0] if self._single else attitude
+            every = attitudes_in_frame(self._frame, every)
+        attitude: Floats = self._bodies.in_axes(every)
+        return attitude
 
     @attitude.setter
     def attitude(self, attitude: AttitudeLike) -> None:
-        self._begin("attitude", self.omega, attitude)
+        now = self.omega, self.attitude
+        self._begin("attitude", now, (now[0], attitude))
 
-    def _begin(self, name: str, omega: ArrayLike, attitude: AttitudeLike) -> None:
-        """Begin again from here with other rates or attitudes, where they are not the same."""
-        given = ((omega, attitude), (self.omega, self.attitude))
-        new, old = (bodies_of(self.scene, *one, frame=self._frame, rod=True) for one in given)
-        if new.shape != old.shape:
-            raise ValueError(f"{name}: expected bodies of shape {old.shape}, got {new.shape}")
-        kept = np.all(new.omega == old.omega, axis=1) & np.all(new.attitude == old.attitude, axis=1)
-        self._core.begin(new, kept)
+    def _begin(
+        self, name: str, now: tuple[Floats, Floats], given: tuple[ArrayLike, AttitudeLike]
+    ) -> None:
+        """Begin again from here with given rates and attitudes, where these are others than now."""
+        starts = partial(starts_of, self.scene, frame=self._frame, rod=True)
+        rates, quaternions, shape = starts(*given)
+        if shape != self._bodies.shape:
+            raise ValueError(f"{name}: expected bodies of shape {self._bodies.shape}, got {shape}")
+        begun = replace(
+            self._bodies,
+            omega=rows_of_each(rates, shape),
+            attitude=rows_of_each(quaternions, shape),
+        )
+        begun.check_ranges(self.scene)
+        before = [rows_of_each(array, shape) for array in starts(*now)[:2]]
+        self._core.begin(begun.omega, begun.attitude, *before)
+        self._bodies = begun
 
     def rotation(self) -> Rotation:
         """The attitude as a SciPy ``Rotation`` (active, body to space), of one body or of n.
@@ -264,7 +280,7 @@ class Motion:
 
     def __repr__(self) -> str:
         """Number of bodies, present time and method."""
-        count = "one body" if self._single else f"{len(self.omega)} bodies"
+        count = f"{len(self._bodies)} bodies" if self._bodies.shape else "one body"
         return f"Motion({count} at t = {self.t:g} s; {self.method})"
 
     def copy(self) -> Motion:
@@ -296,8 +312,7 @@ class Motion:
 
     def __reduce__(self) -> tuple[Callable[..., Motion], tuple[Any, ...]]:
         options = {"t0": self.t, "method": self.method, "threads": self._threads}
-        first = 0 if self._single else slice(None)
-        states = self._core.omega()[first], self._core.attitude()[first]
+        states = map(self._bodies.in_axes, (self._core.omega(), self._core.attitude()))
         return _rebuilt, (self.scene, *states, self._frame, options, *self._core.numbers())
 
 

@@ -17,9 +17,11 @@ from .._checks.arguments import brief, one_line, one_of, one_time, resolve_threa
 from .._checks.arrays import Floats, finite_array
 from .._checks.inputs import described
 from .._checks.progress import ProgressOption
+from ..drawing.colours import AXES, on_ground
+from ..drawing.figure import axes_to_draw_on, html_text, html_with_picture
+from ..model.batch import Shape
 from ..model.events import Event
 from ..model.frame import attitudes_in_frame, attitudes_in_principal_axes, checked_frame, turned
-from ..model.leading import Shape
 from ..model.scene import FreeBody, Scene, scene_from_dict
 from ..rotations.apply import to_space
 from .archive import Archive
@@ -262,8 +264,6 @@ class Run(Result):
 
     def _repr_html_(self) -> str:
         """The rates over time, of the first body of many, and the line of the run."""
-        from ..drawing.figure import html_text, html_with_picture
-
         words = repr(self)
         many = self.status.ndim > 0
         if self.status.ndim > 1 or not self.status.size or self.omega.shape[-2] < 2:
@@ -688,9 +688,6 @@ an accuracy
         times, omega = self._of_one(body, self.omega)
         if len(times) < 2:
             raise one_time("a plot", times)
-        from ..drawing.colours import AXES, on_ground
-        from ..drawing.figure import axes_to_draw_on
-
         ax = axes_to_draw_on(ax)
         for k, ink in enumerate(AXES):
             ax.plot(times, omega[:, k], color=on_ground(ax, ink.colour), label=f"$\\omega_{k + 1}$")

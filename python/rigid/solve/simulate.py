@@ -30,7 +30,6 @@ from .closed_form import RECORDS
 from .conserved import energy_of, momentum_of, needs_vertical
 from .events import check_event_method
 from .methods import FUNCTION, adaptive_methods
-from .parameters import check_parameters
 from .request import LEAST_TOLERANCE, Problem
 from .run import Run, to_run
 from .solution import (
@@ -42,7 +41,7 @@ from .solution import (
     solve,
 )
 from .surfaces import Watched
-from .tangent import check_tangent
+from .tangent import check_parameters, check_tangent
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation

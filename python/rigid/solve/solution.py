@@ -16,17 +16,17 @@ from numpy.typing import DTypeLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, one_of, two_digits_above
-from .arrays import Range, largest, time_ranges
+from .._checks.arrays import Floats
+from .arrays import Range, time_ranges
 from .bodies import Bodies
 from .choose_method import Choice, bodies_alike, choose_method
 from .events import FoundEvents, events_of_parts, find_events
 from .methods import EXACT, SERIES, SERIES_TOLERANCE
-from .parameters import parameter_changes
 from .plan import Lazy, Plan, plan_of_parts
 from .request import Problem, Request
 from .status import Status
 from .surfaces import Watched
-from .tangent import tangent_of
+from .tangent import parameter_changes, tangent_of
 
 COLUMNS: Mapping[str, int] = {
     **{"omega": 3, "gamma": 3, "attitude": 4, "work": 1},
@@ -274,7 +274,7 @@ def _by_closed_form(request: Request, choice: Choice, target: Target) -> Solutio
         bodies.note_rates(states.pop("fastest_rate"))
         known = _core.errors_of_closed_forms(bodies, request.times, states["omega"])
         states["error"], states["lost_from"] = known
-        worst = largest(known[0])
+        worst = _largest(known[0])
     choice.plan.amend(error=worst if worst < 1.0 else None)
     return Solution(states, EXACT, None, choice.plan)
 
@@ -292,7 +292,7 @@ def _by_steps(
     by_series = states.pop("by_series", None)
     made = Solution(states, choice.method, choice.tolerance, choice.plan)
     taken, worst = states["steps"], states.worst
-    worst = largest(states.error) if worst is None else worst
+    worst = _largest(states.error) if worst is None else worst
     made.plan.amend(steps=int(taken.max(initial=0)), error=worst if worst < 1.0 else None)
     if choice.accuracy is None or choice.steps is None:
         return made
@@ -341,3 +341,8 @@ def _merged(
         plan,
         events_of_parts(problem.bodies, found, groups) if found else None,
     )
+
+
+def _largest(values: Floats) -> float:
+    """The largest of some numbers and 0, without a reduction, which is slow, for one number."""
+    return max(float(values[0]), 0.0) if len(values) == 1 else float(values.max(initial=0.0))

@@ -317,7 +317,7 @@ class Search:
             places = first[some, np.newaxis] + np.minimum(most, counts[some, np.newaxis] - 1)
             own = self._select(some)
             states = Request(
-                bodies=own.bodies,
+                bodies=own.bodies.doubted(),
                 times=found["t"][places],
                 method=self._other_method,
                 record=record,

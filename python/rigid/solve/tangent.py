@@ -1,4 +1,4 @@
-"""The tangent of a motion: the derivative of rates and attitude by the start and by parameters.
+"""The tangent of a motion: its derivative by start and parameters, and how much it magnifies.
 
 A small deviation vector of a motion is a change of its rates and a rotation vector in the body. It
 obeys linear equations, which are integrated with the motion: one lane for each column. The vector
@@ -7,21 +7,32 @@ of a parameter begins at zero, and the change of the parameter is a torque in it
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import one_of
-from .._checks.arrays import Floats
-from ..model.forces import forces_in_words
+from .. import _core
+from .._checks.arguments import brief, of_known, one_of, resolve_threads, sorted_times
+from .._checks.arrays import AttitudeLike, Floats
+from ..model.body import Body
+from ..model.forces import FORCES, forces_in_words
+from ..model.parameters import CHANGES, OF_WEIGHT, PARAMETERS
+from ..model.scene import Scene, check_scene
+from .arrays import in_rows
+from .bodies import Bodies, bodies_of
 from .methods import EXACT, TO_ROUNDING, run_methods, tangent_methods
 from .request import Request
 from .status import Status
 
 ROUNDING = 2.0**-53
 """Tolerance of a tangent for which no method is given."""
+
+_GROUPS = {"com": ("com1", "com2", "com3")}
+"""Names that stand for several parameters."""
 
 
 def check_tangent(
@@ -42,6 +53,91 @@ def check_tangent(
     if method in tangent_methods():
         why = f"has no tangent {where}"
     raise ValueError(f"method = {method!r}: {why}; {', '.join(map(repr, known))} have one")
+
+
+def check_parameters(tangent: bool | str | Sequence[str], scene: Scene) -> tuple[str, ...] | None:
+    """The parameters in the argument ``tangent``: none for True; None for False.
+
+    Raises
+    ------
+    ValueError
+        For an unknown name, one given twice, weight of a scene without weight, or no name.
+    """
+    if tangent is False:
+        return None
+    if isinstance(tangent, bool | np.bool_):
+        return () if tangent else None
+    known = differentiable(scene)
+    if "com1" in known:
+        known = (*known, *_GROUPS)
+    words = partial(why_not, scene=scene)
+    return checked_names("tangent", tangent, known, _GROUPS, words, "True, False or ")
+
+
+def why_not(name: object, scene: Scene, what: str = "") -> str:
+    """The reason why the motion of a scene has no derivative by the parameter of a name."""
+    row = PARAMETERS.get(_GROUPS.get(str(name), (str(name),))[0])
+    place = None if row is None else row.place
+    if place in OF_WEIGHT:
+        return f"a {scene.title} has no weight"
+    return f"the scene has no {place}" if place in FORCES else f"is no parameter{what}"
+
+
+def differentiable(scene: Scene) -> tuple[str, ...]:
+    """The parameters by which the motion of a scene has derivatives."""
+    return tuple(name for name, row in PARAMETERS.items() if row.has_derivative(scene))
+
+
+def checked_names(
+    argument: str,
+    given: Any,
+    known: Sequence[str],
+    groups: Mapping[str, Sequence[str]],
+    why_not: Callable[[object], str],
+    others: str = "",
+) -> tuple[str, ...]:
+    """The names of parameters in an argument; a name of a group stands for the names in it.
+
+    Raises
+    ------
+    ValueError
+        For no name, one given twice, or an unknown one, with the reason of ``why_not(name)``;
+        ``others`` says what else the argument may be.
+    """
+    names = (given,) if isinstance(given, str) else given
+    # A set has no order, and the columns have one.
+    is_ordered = isinstance(names, Sequence | np.ndarray) and not isinstance(names, bytes)
+    if not is_ordered or not len(names):
+        raise ValueError(f"{argument} = {brief(given)}: must be {others}names of parameters")
+    every: list[str] = []
+    for name in names:
+        if name not in known:
+            reason = f"{why_not(name)}{of_known(name, known)}"
+            raise ValueError(f"{argument} = {brief(name)}: {reason}")
+        for own in groups.get(name, (name,)):
+            if own in every:
+                raise ValueError(f"{argument} = {brief(given)}: {own!r} is named twice")
+            every.append(str(own))
+    return tuple(every)
+
+
+def parameter_changes(
+    scene: Scene, bodies: Bodies, names: Sequence[str]
+) -> tuple[Floats, NDArray[np.intc]]:
+    """The change of each parameter of each body, shape (n, k, m), and the power of two in its unit.
+
+    A change of a parameter in SI units is that change times ``2**exponent``, shape (n, k): moments,
+    weight, damping and torque are counted in the unit of the bodies.
+    """
+    changes = np.zeros((len(bodies), len(names), CHANGES))
+    exponents = np.zeros((len(bodies), len(names)), dtype=np.intc)
+    for column, name in enumerate(names):
+        row = PARAMETERS[name]
+        first, change = row.change(scene)
+        changes[:, column, first : first + change.shape[-1]] = in_rows(change, bodies.shape)
+        if row.place not in FORCES or FORCES[row.place].has_mass:
+            exponents[:, column] = -bodies.scale_exponent
+    return changes, exponents
 
 
 def tangent_of(
@@ -98,3 +194,88 @@ def _columns(request: Request, record: str, width: int, **causes: Any) -> Floats
     moves = np.isin(found["status"][::width], (Status.OK, Status.DRIFTED))
     known = np.where(moves[:, None, None, None] & ~np.isfinite(matrices), np.inf, matrices)
     return np.ascontiguousarray(known.transpose(0, 2, 3, 1))
+
+
+def condition(
+    scene: Scene | Body,
+    omega: ArrayLike,
+    attitude: AttitudeLike | None = None,
+    *,
+    t: ArrayLike,
+    threads: int | None = None,
+) -> Floats:
+    """Factor by which a motion magnifies the worst small change of its start.
+
+    The largest singular value of the derivative of the state with respect to the start, with rates
+    in units of ``sqrt(|omega|² + mgl / I_min)`` and attitudes in rad. The factor is a
+    property of the motion, not of a method: an error of 1e-16 in the start, the size of rounding,
+    becomes ``1e-16 condition`` with every method. It grows like ``t`` on regular motions and
+    exponentially on chaotic ones and near a separatrix.
+
+    The derivative is the tangent of the motion (see :attr:`Run.tangent`), integrated by
+    ``taylor16``. Its relative error is about ``1e-16 condition``, as for the motion: of a factor
+    above 1e16 only the size is known.
+
+    Parameters
+    ----------
+    scene : FreeBody, HeavyTop or Body
+        The body, or many, with their weight, applied torque and damping.
+    omega : array_like, shape (3,) or (..., 3)
+        Angular velocity at ``t = 0`` in the body (rad/s).
+    attitude : array_like, shape (4,) or (..., 4), or scipy Rotation, optional
+        Attitude at ``t = 0``. Default: body and space axes coincide.
+    t : array_like, shape (m,)
+        Times (s), ascending.
+    threads : int, optional
+        Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
+
+    Returns
+    -------
+    ndarray, shape (..., m), or (m,) of a single body
+        1 at ``t = 0``. Infinite beyond the range of doubles; NaN for a body whose motion overflows.
+
+    Raises
+    ------
+    ValueError
+        As :func:`rigid.simulate`.
+
+    Notes
+    -----
+    Chaos indicators are functions of the linearised flow (Skokos & Gerlach, Phys. Rev. E 82
+    (2010) 036704, doi 10.1103/PhysRevE.82.036704); its largest singular value bounds them all.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    >>> stable = rigid.condition(box, [1.0, 1e-3, 1e-3], t=[10.0])
+    >>> tumbling = rigid.condition(box, [1e-3, 1.0, 1e-3], t=[10.0])
+    >>> print(f"{stable[0]:.0f} {tumbling[0]:.0f}")
+    10 490
+    """
+    scene = check_scene(scene, many=True)
+    bodies = bodies_of(scene, omega, attitude)
+    factors = amplification(bodies, sorted_times("t", t), resolve_threads(threads))
+    return factors.reshape(*bodies.shape, factors.shape[1])
+
+
+def amplification(bodies: Bodies, times: Floats, threads: int) -> Floats:
+    """The condition of some bodies at these times, shape (n, m)."""
+    matrices = tangent_matrices(
+        Request(
+            bodies=bodies,
+            times=times,
+            method=TO_ROUNDING,
+            record="rates",
+            max_steps=10**9,
+            threads=threads,
+            tolerance=ROUNDING,
+        )
+    )
+    scale = _core.rate_units(bodies)[:, None, None, None]
+    matrices[..., :3, 3:] /= scale
+    matrices[..., 3:, :3] *= scale
+    finite = np.isfinite(matrices).all(axis=(-2, -1))
+    lost = np.where(np.isnan(matrices).any(axis=(-2, -1)), np.nan, np.inf)
+    matrices[~finite] = 0.0
+    return np.where(finite, np.linalg.norm(matrices, 2, axis=(-2, -1)), lost)

@@ -11,12 +11,13 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief
 from .._checks.arrays import Floats
+from ..model.forces import FORCES
 from ..model.orbit import HYPERBOLA, MOST_ECCENTRIC
-from ..model.parameters import AT_REST, PARAMETERS, numbers_of, scene_of
+from ..model.parameters import AT_REST, PARAMETERS, PLACES, numbers_of, scene_of
 from ..model.scene import Scene
 from ..rotations.so3 import exp_so3, over, rodrigues
-from .parameters import checked_names, differentiable, why_not
 from .simulate import simulate
+from .tangent import checked_names, differentiable, why_not
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -39,6 +40,12 @@ _EDGE = 1e-9
 _MOST_STEPS = 10**9
 """Most steps of a run of the first guess, as in :func:`simulate`."""
 
+_NOTHING = 1e-30
+"""Share of its size that a coefficient keeps at its bound of zero.
+
+A force without coefficients would not act, and the motion would have no derivative by it.
+"""
+
 _FASTER = 10.0
 """How many times as fast as the fastest measured rates a start may turn.
 
@@ -54,18 +61,9 @@ _MOUNTED = 0.3, math.pi / 4.0
 Beyond 45 degrees the same body has its principal axes in another order, nearer to the gyroscope's.
 """
 
-_SIZES = {
-    "mgl": (1.0, 2),
-    "damping": (0.1, 1),
-    "torque": (0.1, 2),
-    "rotor": (0.1, 1),
-    "dissipation": (0.1, -1),
-    "drag": (0.1, 0),
-}
-"""How far off a first guess may be: this share of the largest moment times a power of the rates."""
-
 _OF_ORBIT = (0.1, 0.1, 1.0)
-"""The same of an orbit: of its rate as a share, of its eccentricity and its anomaly."""
+"""How far off a first guess of an orbit may be: of its rate as a share, of its eccentricity and its
+anomaly."""
 
 
 class Unknowns:
@@ -141,11 +139,14 @@ class Unknowns:
                         low[k] = _EDGE * first[k]
                     elif name == "eccentricity":
                         low[k], high[k] = HYPERBOLA if first[k] > 1.0 else (0.0, MOST_ECCENTRIC)
-                else:
-                    share, power = _SIZES[row.place]
+                elif guess := PLACES[row.place].guess:
+                    share, power = guess
                     sizes[k] = share * unit * mean**power
                     if name == "mgl":
                         sizes[k] = first[k] or sizes[k]
+                    if row.place in FORCES and row.lowest == 0.0:
+                        low[k] = _NOTHING * sizes[k]
+                        first[k] = max(first[k], low[k])
         place = {j: self.numbers.index(MOMENTS[j]) for j in self._moving}
         squares = 0.5 * i.sum() - i  # the integrals of x², y², z² over the mass
         edge = _EDGE * unit
@@ -291,7 +292,7 @@ class Unknowns:
         for k, name in enumerate(self.numbers):
             if near[k] and name not in (*MOMENTS, *START):
                 end = low[k] if below[k] else high[k]
-                value = "zero" if end == 0.0 else f"{end:g}"
+                value = "zero" if abs(end) <= _NOTHING * self.sizes[k] else f"{end:g}"
                 which = "least" if below[k] else "most"
                 words.append(f"{name} is {value}, the {which} that it can be")
         if any(near[k] for k, name in enumerate(self.numbers) if name in MOMENTS):
@@ -319,12 +320,17 @@ def _taken(
     return np.stack(parts, axis=-1)
 
 
+def _has_size(place: str) -> bool:
+    """Whether a fit knows how far off a first guess of numbers in this place may be."""
+    return place == "orbit" or PLACES[place].guess is not None
+
+
 def _checked_names(scene: Scene, free: str | Sequence[str]) -> tuple[str, ...]:
     """The names of the free parameters: not of the direction to a centre of mass alone."""
     rows = {
         name: PARAMETERS[name]
         for name in differentiable(scene)
-        if name not in (*MOMENTS, "damping") and PARAMETERS[name].place != "com"
+        if name not in (*MOMENTS, "damping") and _has_size(PARAMETERS[name].place)
     }
     known = (*MOMENTS, *RATIOS, *rows, *_GROUPS, *START, *BIAS, *SCALE, *SENSOR)
     names = checked_names(

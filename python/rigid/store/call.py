@@ -20,9 +20,10 @@ from ..model.criterion import Criterion
 from ..model.judged import Custom
 from ..model.measures import Measure
 from ..model.mixture import Mixture
+from ..model.noise import Noise
 from ..model.scene import Scene, check_scene
 from ..model.seed import seed_from
-from ..model.start import Noise, Start
+from ..model.start import Start
 from ..model.time_unit import TimeUnit
 from .result import StabilityMap
 

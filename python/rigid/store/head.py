@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, replace
 from functools import cached_property
+from hashlib import blake2b
 from typing import Any
 
 import numpy as np
@@ -17,10 +18,7 @@ from ..maps.data import COLUMNS, STORED, MapData
 from ..maps.sequential import LOOK
 from ..maps.spec import MapSpec
 
-FORMAT = "rigid running map"
-FORMAT_VERSIONS = (1, 2, 3)
-"""Version 2 is written for maps with measures, whose logs have bins beside the rows. Version 3 is
-written for maps with a function, whose digests include the values that the function uses."""
+FORMAT, FORMAT_VERSION = "rigid running map", 1
 
 SEGMENT = 2**20
 """Most samples of a unit of work in the key of a map, whatever the division of its work."""
@@ -79,7 +77,7 @@ class Head:
             looks = [spec.looks.samples.tolist(), spec.looks.most.tolist()]
         return {
             "format": FORMAT,
-            "format_version": 3 if spec.sources else 2 if spec.measure else 1,
+            "format_version": FORMAT_VERSION,
             "spec": spec.to_dict(),
             "segment": self.segment,
             "units": self.units,
@@ -97,8 +95,6 @@ class Head:
     @cached_property
     def seal(self) -> bytes:
         """As ``key``, with the division that rows are numbered by: the key of digests in logs."""
-        from hashlib import blake2b  # here and below: takes longer to import than this module
-
         content = self.content
         for label in ("version", "commit"):
             del content[label]
@@ -145,11 +141,11 @@ class Head:
         if not isinstance(content, dict) or content.get("format") != FORMAT:
             raise StoreError(f"{path} is no running map: its head.json has another format")
         version = content.get("format_version")
-        if version not in FORMAT_VERSIONS:
-            known = " and ".join(map(str, FORMAT_VERSIONS))
+        if version != FORMAT_VERSION:
             raise StoreError(
-                f"{path} has format version {version}, this version of rigid reads {known}: take "
-                "another folder, or go on with the version that made this one"
+                f"{path} has format version {version}, this version of rigid reads "
+                f"{FORMAT_VERSION}: take another folder, or go on with the version that made this "
+                "one"
             )
         try:
             spec = MapSpec.from_dict(content["spec"])
@@ -157,7 +153,7 @@ class Head:
             expected = head.content
         except Exception as error:  # the text may hold anything
             raise StoreError(f"{path} holds a broken specification: {one_line(error)}") from None
-        for name in ("columns", "format_version", "looks", "segment", "units"):
+        for name in ("columns", "looks", "segment", "units"):
             if content.get(name) != expected[name]:
                 made = content.get("version")
                 raise StoreError(
@@ -235,8 +231,6 @@ def fingerprint(data: MapData) -> str:
     It depends on neither instruction set, threads, engine nor order. No NaN of any bits but one is
     in the arrays.
     """
-    from hashlib import blake2b
-
     digest = blake2b(Head.of(data.spec).key, digest_size=32)
     for name, dtype in STORED.items():
         array = np.ascontiguousarray(getattr(data, name), dtype=dtype.newbyteorder("<"))

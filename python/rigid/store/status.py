@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.shown import labelled
+from .._timing import FEW, LEAST_SHARE, seconds_of_one
 from ..maps.data import CLASSES, MapData
 from ..maps.job import to_core
 from ..maps.plan import map_plan, shortened
@@ -20,7 +21,6 @@ from ..maps.refine import refined
 from ..maps.sequential import LOOK
 from ..maps.spec import MapSpec
 from ..solve.plan import Plan
-from ..solve.timing import FEW, LEAST_SHARE, seconds_of_one
 from .head import divided
 from .log import COST, UTC, Found
 from .resume import Part, missing, result_of

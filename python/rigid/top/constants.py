@@ -12,7 +12,7 @@ from .._checks.arrays import AttitudeLike, Floats, attitudes, finite_array, requ
 from .._checks.overflow import refuses_overflow
 from ..exact.symmetry import Symmetry, require_each, symmetry_of
 from ..free import invariants
-from ..model.leading import Shape, leading_shape
+from ..model.batch import Shape, batch_shape
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..rotations.apply import to_body, to_space
 
@@ -36,7 +36,7 @@ def over_tops(scene: HeavyTop, *, times: Shape = (), **arguments: ArrayLike) -> 
     """
     arrays = {name: finite_array(name, value) for name, value in arguments.items()}
     shapes = {name: array.shape for name, array in arrays.items()}
-    shape = leading_shape({"scene": scene.shape, **shapes, "t": times})
+    shape = batch_shape({"scene": scene.shape, **shapes, "t": times})
     return tuple(np.broadcast_to(array, shape) for array in arrays.values())
 
 
@@ -249,7 +249,7 @@ def gravity_torque(scene: HeavyTop, attitude: AttitudeLike, *, frame: str = "bod
     check_heavy_top(scene, many=True)
     one_of("frame", frame, ("body", "space"))
     quaternions = attitudes(attitude)
-    leading_shape({"scene": scene.shape, "attitude": quaternions.shape[:-1]})
+    batch_shape({"scene": scene.shape, "attitude": quaternions.shape[:-1]})
     weight = np.broadcast_to(scene.weight, (*scene.shape, 3))
     up = np.array([0.0, 0.0, 1.0])
     if frame == "body":

@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import first_place
+from .._checks.arrays import Floats
 from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop
 from .constants import over_tops, symmetric, tilts
 from .cubic import f_roots
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

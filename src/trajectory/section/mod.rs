@@ -384,7 +384,8 @@ impl<'a> SectionJob<'a> {
             let form = integration.form.expect("all bodies of the batch have a closed form");
             let (omega, attitude) = form.to_body(body, omega, attitude);
             let now = Body { omega, attitude, ..*body };
-            let entry = Entry::unobserved(&now, None, self.lanes.group.step.0[lane]);
+            let (forces, step) = (self.request.forces_of(index), self.lanes.group.step.0[lane]);
+            let entry = Entry::unobserved(&now, forces, (0.0, None), None, step);
             load(&mut self.lanes.group, lane, self.lanes.kernel, integration.assignment, &entry);
             self.lanes.steps.now[1].0[lane] = 0.0;
         }

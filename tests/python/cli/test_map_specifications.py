@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 import rigid
+from map_texts import FREE, TABLES, map_text
 from refusals import refuses
 from rigid._checks.arguments import MESSAGE
 from rigid.cli.toml_map import parse_spec, read_spec
 from rigid.cli.toml_scene import KINDS
 from rigid.cli.toml_table import SpecError, keys
-from rigid.drawing.figure import new_figure
+from rigid.model.criterion import Criterion
 from rigid.store.call import run_map
 
 BOX = """
@@ -224,6 +225,39 @@ test_mistakes_about_measures = refuses(
 )
 
 
+@pytest.mark.parametrize(
+    ("stable", "criterion", "measure", "measures"),
+    [
+        (
+            'criterion = "pointing_within"\nangle = 1.5\neither = true',
+            rigid.pointing_within(1.5, 1, either=True),
+            '["libration_amplitude", { name = "obliquity", axis = 3 }]',
+            ["libration_amplitude(1)", "obliquity(3)"],
+        ),
+        (
+            'criterion = "yaw_within"\nangle = 1.5',
+            rigid.yaw_within(1.5, (1, 3)),
+            '["largest_roll", { name = "time_to_settle", limit = 0.2, of = "pitch" }]',
+            ["largest_roll", "time_to_settle(0.2, pitch)"],
+        ),
+    ],
+)
+def test_questions_in_the_frame_of_an_orbit(
+    stable: str, criterion: Criterion, measure: str, measures: list[str]
+) -> None:
+    """Axes that the file leaves out are those of the least and of the largest moment."""
+    text = map_text(
+        scene=f"{FREE}\norbit = {{ rate = 1.0, eccentricity = 0.1 }}",
+        x='name = "eccentricity"\nvalues = [0.0, 0.1]',
+        stable=stable,
+        run=f"{TABLES['run']}\nmeasure = {measure}",
+    )
+    spec = parse_spec(text, "x.toml")
+    assert spec.stable == criterion
+    assert [str(one) for one in spec.measure] == measures
+    assert rigid.MapSpec.from_json(spec.to_json()) == spec
+
+
 def test_a_spin_on_an_axis_need_not_be_said_again() -> None:
     text = BOX.replace('name = "b"', 'name = "spin"').replace("spin = 10.0\n", "")
     assert parse_spec(text, "box.toml").start.starts[0].spin == 0.0
@@ -335,22 +369,14 @@ def complaint(text: str, file: str = "box.toml") -> str:
         ("name = \"b\"", "", "[x] needs the key 'name'"),
         ("criterion = \"no_flip\"", "", "[stable] needs the key 'criterion'"),
         # unknown words
-        ('"free-body"', '"freebody"', "[scene] kind = 'freebody': must be one of 'free-body', "
-         "'heavy-top'; did you mean 'free-body'?"),
+        ('"free-body"', '"freebody"', "[scene] kind = 'freebody': must be one of 'free-body', '"),
         ('"no_flip"', '"noflip"', "[stable] criterion = 'noflip': did you mean 'no_flip'? must"),
         ('name = "noise"', 'name = "niose"', "[y] name = 'niose': did you mean 'noise'? must"),
         ('kind = "normal"', 'kind = "norml"', "[start.noise] kind = 'norml': must be one of"),
         ('"log"', '"lgo"', "[y] scale = 'lgo': must be one of 'linear', 'log'; did you mean 'log'"),
-        ("samples = 64", 'samples = 64\nmethod = "rk5"', "method = 'rk5': did you mean 'rk4'?"),
         # wrong types
         ('"A box"', "3", "title = 3: must be a string"),
-        ("[start]\n", "[start]\ntilt = [1.0]\n", "[start] tilt = [1.0]: must be a"),
-        ("spin = 10.0", 'spin = "10"', "[start] spin = '10': must be a"),
-        ("spin = 10.0", "spin = true", "[start] spin = True: must be a"),
         ("spin = 10.0", "spin = 2026-01-01", "[start] spin = datetime.date(2026, 1, 1): must be a"),
-        ("axis = 2\nnoise", "axis = 2.0\nnoise", "[start] axis = 2.0: must be a whole number"),
-        ("seed = 2026", "seed = 2.5", "[run] seed = 2.5: must be a whole number"),
-        ("samples = 64", "samples = 64.0", "[run] samples = 64.0: must be a whole number"),
         ("count = 4", "count = 4.0", "[x] count = 4.0: must be a whole number"),
         ("box = [0.25, 0.08, 0.01]", "box = 3", "[scene] box: expected shape (3,), got ()"),
         ("box = [0.25, 0.08, 0.01]", 'box = ["a", "b", "c"]', "[scene] box"),
@@ -358,23 +384,12 @@ def complaint(text: str, file: str = "box.toml") -> str:
         # impossible values
         ("box = [0.25, 0.08, 0.01]", "box = [0.25, -0.08, 0.01]", "[scene] b = -0.08: must be pos"),
         ("mass = 0.3", "mass = 0.0", "[scene] mass = 0.0: must be positive"),
-        ("t_end = 1.0", "t_end = -1.0", "[run] t_end = -1.0: must be positive"),
-        ("t_end = 1.0", "t_end = inf", "[run] t_end = inf: must be finite"),
-        ("samples = 64", "samples = 0", "[run] samples = 0: must be at least 1"),
-        ("samples = 64", "samples = 64\nstep = 0.0", "[run] step = 0.0: must be positive"),
-        ("samples = 64", "samples = 64\ncheck = 2.0", "[run] check = 2.0: must lie in [0, 1]"),
-        ("samples = 64", "samples = 64\nmax_steps = 0", "[run] max_steps = 0: must be at least 1"),
-        ("seed = 2026", "seed = -3", "[run] seed = -3: must"),
-        ("seed = 2026", f"seed = {2**128}", f"= {2**128}: must lie in 0 .. 2**128 - 1"),
         ("count = 4", "count = 1", "[x] count = 1: must be at least 2"),
         ("from = 0.012", "from = 0.248", "[x] from = 0.248, to = 0.248: must differ"),
         ("from = 0.012", "from = -1.0", "[x] from = -1: must be positive"),
         ("to = 0.248", "to = -1.0", "[x] values[1] = "),
         ("from = 0.012", "from = inf", "[x] from = inf: must be finite"),
         ("from = 1e-4", "from = 0.0", "[y] scale = 'log': the ends must be positive, got 0.0"),
-        ("axis = 2\nnoise", "axis = 5\nnoise", "[start] axis = 5: must be one of 1, 2, 3"),
-        ("axis = 2\n[run]", "axis = 0\n[run]", "[stable] axis = 0: must be one of 1, 2, 3"),
-        ("spin = 10.0", "spin = 10.0\ntilt = 4.0", "[start] tilt = 4.0: must lie in [-pi, pi]"),
         # what does not go together
         ("box = [0.25, 0.08, 0.01]", "", "[scene] needs either 'moments' or 'box' (with 'mass')"),
         (
@@ -402,11 +417,6 @@ def complaint(text: str, file: str = "box.toml") -> str:
         ),
         ("spin = 10.0", "", "[start] needs the key 'omega' or 'spin'"),
         (
-            "spin = 10.0",
-            "spin = 10.0\nomega = [1.0, 2.0, 3.0]",
-            "[start] omega, spin: give one of the two to a start",
-        ),
-        (
             'noise = { kind = "normal" }',
             'noise = { kind = "uniform_attitude" }',
             "[start] noise = uniform_attitude(): rates have no attitude; use attitude_noise",
@@ -415,11 +425,6 @@ def complaint(text: str, file: str = "box.toml") -> str:
             'criterion = "no_flip"\naxis = 2',
             'criterion = "tilt_below"\nangle = 0.5\nreference = "vertical"',
             "[stable] reference = 'vertical': a free body knows no vertical",
-        ),
-        (
-            'criterion = "no_flip"\naxis = 2',
-            'criterion = "tilt_below"\nangle = 4.0',
-            "[stable] angle = 4.0: must lie in (0, pi] (rad)",
         ),
     ],
 )  # fmt: skip
@@ -438,12 +443,6 @@ def test_mistakes(line: str, instead: str, message: str) -> None:
         ("mgl = 2", "mgl = 2\nframe = 3", "[scene] unknown key 'frame'"),
         ("mgl = 2", "mgl = -2", "[scene] mgl = -2.0: must not be negative"),
         ("com = [0.6, 0.0, 0.8]", "com = [1, 1, 1]", "[scene] com = [1.0, 1.0, 1.0]: must be a"),
-        ("values = [0.3, 0.2, 0.1]", "values = 3", "[x] values: expected shape (n,)"),
-        ("values = [0.3, 0.2, 0.1]", 'values = ["a"]', "[x] values = ['a']: must be"),
-        ("values = [0.3, 0.2, 0.1]", "values = [[1], [2, 3]]", "[x] values = [[1], [2, 3]]"),
-        ("values = [0.3, 0.2, 0.1]", "values = [0.1, nan]", "[x] values[1] = nan: must be"),
-        ("size = [0.1, 0.2, 0.3]", "size = [0.1, 0.2]", "[start.noise] size: expected shape (3,)"),
-        ("size = [0.1, 0.2, 0.3]", "size = -1.0", "[start.noise] size = -1.0: must not be"),
         (
             ', size = [0.1, 0.2, 0.3] }',
             " }",
@@ -454,13 +453,7 @@ def test_mistakes(line: str, instead: str, message: str) -> None:
             '{ kind = "uniform_attitude", size = 1.0 }',
             "[start.attitude_noise] unknown key 'size'",
         ),
-        ("omega = [0.1, 0.2, 5]", "omega = [0.1, 0.2]", "[start] omega: expected shape (3,)"),
         ("angle = 0.5", "", "[stable] needs the key 'angle'"),
-        (
-            'reference = "start"',
-            'reference = "strat"',
-            "[stable] reference = 'strat': must be one of 'start', 'vertical'",
-        ),
     ],
 )  # fmt: skip
 def test_mistakes_about_tops(line: str, instead: str, message: str) -> None:
@@ -535,9 +528,6 @@ def test_tables_that_are_missing_or_no_tables() -> None:
     assert parse_spec("\n[".join(lines).replace('"normal"', '"normal", size = 0.1'), "").shape == (
         4,
     )
-
-
-# The built-in maps
 
 
 # Texts that want to take time or memory
@@ -621,13 +611,3 @@ def test_built_in_maps_have_the_promised_size() -> None:
     assert math.prod(spec.shape) * spec.samples >= 10**6
     box: Any = spec.scene.body
     assert box.sides == (0.25, 0.08, 0.01)
-
-
-def test_built_in_maps_can_be_drawn(
-    built_in: tuple[str, rigid.StabilityMap], tmp_path: Path
-) -> None:
-    _, result = built_in
-    figure = new_figure()
-    result.plot(figure.add_subplot())
-    figure.savefig(tmp_path / "map.png")
-    assert (tmp_path / "map.png").stat().st_size > 20_000

@@ -36,13 +36,6 @@ y = "omega3"
 """
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "small.toml").write_text(SPEC)
-    return tmp_path
-
-
 def test_a_section_writes_picture_and_points(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

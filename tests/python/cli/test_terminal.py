@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
-from test_command_line import SPEC
+from test_command_line import fails
 
 import rigid
 from processes import PATIENCE, Capture
@@ -17,22 +17,6 @@ from rigid.literature.validation import Compared, Validation, entries
 from rigid.reports.stress import UNDETECTED_ERROR, Cell
 from rigid.reports.stress_cases import cases
 from terminals import in_terminal, read
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "small.toml").write_text(SPEC)
-    return tmp_path
-
-
-def refused(arguments: list[str], capsys: Capture) -> str:
-    """The line on stderr of a command that is refused before any work."""
-    assert main(arguments) == 2
-    output, errors = capsys.readouterr()
-    assert output == ""
-    assert errors.count("\n") == 1
-    return errors
 
 
 def test_the_version_is_that_of_the_library(capsys: Capture) -> None:
@@ -59,7 +43,7 @@ def test_each_command_stands_in_one_group_of_the_help(capsys: Capture) -> None:
     groups = [output.index(f"\n{title}:\n") for title in GROUPS]
     assert groups == sorted(groups)
     assert all(output.count(f"\n  {name} ") == 1 for name in named)
-    message = refused(["help", "mapp"], capsys)
+    message = fails(["help", "mapp"], capsys)
     assert "TOPIC = 'mapp': did you mean 'map'? must be one of 'map'" in message
 
 
@@ -104,7 +88,7 @@ def test_a_specification_that_is_shown_or_new_can_be_computed(
 
 def test_a_new_file_replaces_none_unless_told(folder: Path, capsys: Capture) -> None:
     before = (folder / "small.toml").read_text()
-    message = refused(["new", "map", "small.toml"], capsys)
+    message = fails(["new", "map", "small.toml"], capsys)
     assert (
         "file = 'small.toml': exists; take another name, or replace the file with --force"
         in message
@@ -113,16 +97,16 @@ def test_a_new_file_replaces_none_unless_told(folder: Path, capsys: Capture) -> 
     assert main(["new", "map", "small.toml", "--force"]) == 0
     assert (folder / "small.toml").read_text() != before
     capsys.readouterr()
-    assert "file = 'small.txt': must end in .toml" in refused(["new", "map", "small.txt"], capsys)
+    assert "file = 'small.txt': must end in .toml" in fails(["new", "map", "small.txt"], capsys)
     (folder / "d.toml").mkdir()
-    assert "must be new or a regular file" in refused(["new", "map", "d.toml"], capsys)
-    assert "no built-in map is called 'x'" in refused(["new", "map", "--like", "x"], capsys)
+    assert "must be new or a regular file" in fails(["new", "map", "d.toml"], capsys)
+    assert "no built-in map is called 'x'" in fails(["new", "map", "--like", "x"], capsys)
 
 
 @pytest.mark.parametrize("suffix", [".npz", ".png"])
 def test_results_replace_no_file_unless_told(suffix: str, folder: Path, capsys: Capture) -> None:
     (folder / f"small{suffix}").write_bytes(b"mine")
-    message = refused(["map", "small.toml", "--samples", "1"], capsys)
+    message = fails(["map", "small.toml", "--samples", "1"], capsys)
     assert f"--out = 'small{suffix}': exists; take another name, or replace the file" in message
     assert (folder / f"small{suffix}").read_bytes() == b"mine"
     assert main(["map", "small.toml", "--samples", "1", "--force"]) == 0
@@ -148,27 +132,6 @@ def test_a_key_of_the_specification_is_set(folder: Path) -> None:
     spec = rigid.load_map(folder / "small.npz").spec
     assert (spec.t_end, spec.method, spec.title) == (5.0, "rk4", "Other")
     assert spec.axes[0].values == (0.9, 1.1)
-
-
-@pytest.mark.parametrize(
-    ("change", "told"),
-    [
-        ("run.t_end", "--set 'run.t_end': must be KEY=VALUE, such as run.t_end=10"),
-        ("run.=3", "--set 'run.=3': must be KEY=VALUE"),
-        ("run.t_end.x=3", "--set 'run.t_end.x=3': 't_end' is not a table"),
-        ("rnu.t_end=3", "unknown key 'rnu'; did you mean 'run'?"),
-        ("run.t_ned=3", "[run] unknown key 't_ned'; did you mean 't_end'?"),
-        ("run.t_end=-3", "[run] t_end = -3.0: must be positive"),
-        ("run.t_end=1\nseed = 4", "[run] t_end = "),
-    ],
-)
-def test_a_wrong_key_is_one_line(change: str, told: str, capsys: Capture) -> None:
-    assert told in refused(["map", "small.toml", "--set", change], capsys)
-
-
-def test_what_is_shown_is_not_changed(capsys: Capture) -> None:
-    message = refused(["map", "--show", "thrown-box", "--set", "run.t_end=3"], capsys)
-    assert "--show prints the file as it is" in message
 
 
 def test_json_tells_a_map(folder: Path, capsys: Capture) -> None:

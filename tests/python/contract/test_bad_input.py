@@ -60,7 +60,6 @@ REFUSED: list[tuple[Any, ...]] = [
     (moments(1, INF, 1), ["moments = (1, inf, 1): ", "must be finite"]),
     (moments(1, -2, 1), ["moments = (1, -2, 1): ", POSITIVE]),
     (moments(0, 0, 0), ["moments = (0, 0, 0): ", "a mass point has no rotation"]),
-    (moments(1, 1.1, 0), ["moments = (1, 1.1, 0): ", POSITIVE]),
     (moments(1, 1, 2.5), ["moments = (1, 1, 2.5): ", TRIANGLE]),
     (moments(5, 1, 2), ["moments = (5, 1, 2): ", TRIANGLE]),
     (moments(1e308, 1, -0.0), ["moments = (1e308, 1, -0): ", POSITIVE]),
@@ -120,14 +119,9 @@ REFUSED: list[tuple[Any, ...]] = [
     (top(mgl=np.complex64(1)), TypeError, ["mgl = ", "must be a real number"]),
     (top(mgl=np.True_), TypeError, ["mgl = ", "must be a real number"]),
     (
-        top(com=(0, 0, 2)),
-        ["com = [0.0, 0.0, 2.0]: must be a unit vector to 0.0001, its length is 2"],
-    ),
-    (
         top(com=(0, 0, 0)),
         ["com = [0.0, 0.0, 0.0]: must be a unit vector to 0.0001, its length is 0"],
     ),
-    (top(com=(0, 0, 1.0002)), ["com = ", "must be a unit vector to 0.0001, its length is 1.0002"]),
     (top(com=(0, NAN, 1)), ["com[1] = nan: must be finite"]),
     (top(com=(0, 1)), ["com: expected shape (..., 3), got (2,)"]),
     (top(com=(1e300, 0, 0)), ["com = [1e+300, 0.0, 0.0]: must be a unit vector"]),
@@ -141,7 +135,6 @@ REFUSED: list[tuple[Any, ...]] = [
     (run([1, NAN, 3]), ["omega[1] = nan: must be finite"]),
     (run([RATES, [1, 2, INF]]), ["omega[1, 2] = inf: must be finite"]),
     (run([1, 2]), ["omega: expected shape (..., 3), got (2,)"]),
-    (run(np.ones((2, 4))), ["omega: expected shape (..., 3), got (2, 4)"]),
     (run(5.0), ["omega: expected shape (..., 3), got ()"]),
     (run(np.ones((0, 5))), ["omega: expected shape (..., 3), got (0, 5)"]),
     (run([[1, 2, 3], [1, 2]]), ["omega = [[1, 2, 3], [1, 2]]: must be an array of real numbers"]),
@@ -164,11 +157,7 @@ REFUSED: list[tuple[Any, ...]] = [
     (
         lambda: rigid.rotations.attitude_from_omega(np.ones((5, 3)), np.arange(5.0)),  # type: ignore[arg-type]
         TypeError,
-        ["omega = array(", "must be a function of the times; of samples take scipy.interpolate"],
-    ),
-    (
-        lambda: rigid.Orbit(1.0, 1.01),
-        ["eccentricity = 1.01: must be at most 0.95 (an ellipse), or from 1.05 to 1e+06"],
+        ["omega = array(", "must be a function of the times; of samples take attitude_from"],
     ),
     (
         lambda: rigid.Orbit(1.0, 0.97),
@@ -185,7 +174,6 @@ REFUSED: list[tuple[Any, ...]] = [
     (run(t="now"), TypeError, ["t = 'now': must be real numbers in s, not a text"]),
     # Names.
     (run(method="rk5"), [f"method = 'rk5': did you mean 'rk4'? must be one of {LISTED}"]),
-    (run(method="spliting"), ["method = 'spliting': ", "did you mean 'splitting'?"]),
     (run(method=4), [f"method = 4: must be one of {LISTED}"]),
     (
         run(record="atitude"),
@@ -194,7 +182,6 @@ REFUSED: list[tuple[Any, ...]] = [
     (run(record=None), ["record = None: must be one of 'rates', 'axis', 'attitude'"]),
     # Numbers.
     (run(step=0.0), ["step = 0.0: must be positive"]),
-    (run(step=-0.1), ["step = -0.1: must be positive"]),
     (run(step=NAN), ["step = nan: must be finite"]),
     (run(step=INF), ["step = inf: must be finite"]),
     (run(step="short"), TypeError, ["step = 'short': must be a real number"]),

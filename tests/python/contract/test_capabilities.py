@@ -77,6 +77,8 @@ def test_every_public_module_has_its_page() -> None:
     page = (ROOT / "docs" / "api" / "rigid.rst").read_text("utf-8")
     names = re.findall(r"^   ([A-Za-z_]\w*)$", page, re.M)
     assert sorted(names) == sorted(set(rigid.__all__) - modules - {"__version__"})
+    pages = {page.stem for page in (ROOT / "docs" / "api").glob("*.rst")}
+    assert pages - {"rigid"} | {"units"} == modules
     listed = re.findall(r"^api/(\w+)$", (ROOT / "docs/reference.md").read_text("utf-8"), re.M)
     assert sorted(listed) == sorted({"rigid"} | modules)
 

@@ -56,18 +56,11 @@ def docstring(of: object) -> str:
 
 #: What the function or class says, with a place for each constant, and the constants.
 SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
-    (
-        rigid.stability_map,
-        'else ``"{}"`` in long steps',
-        (CHOSEN["map"],),
-    ),
+    (rigid.stability_map, 'else ``"{}"`` in long steps', (CHOSEN["map"],)),
     (
         rigid.stability_map,
         'with :func:`regular` uses ``"{}"`` in steps of {} rad',
-        (
-            CHOSEN["map"],
-            of_core("map/steps.rs", "GROWTH_STEPS") * ANGLES[CHOSEN["map"]],
-        ),
+        (CHOSEN["map"], of_core("map/steps.rs", "GROWTH_STEPS") * ANGLES[CHOSEN["map"]]),
     ),
     (rigid.stability_map, "``{}`` does it with 0.8 of the steps", (CHOSEN["second"],)),
     (
@@ -81,11 +74,7 @@ SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
         (of_core("map/check.rs", "CAUTION"), of_core("map/check.rs", "LEAST_MARGIN")),
     ),
     (rigid.stability_map, "counts as failed; by default {}", (spec.MapSpec.max_steps,)),
-    (
-        rigid.stability_map,
-        "gets {}, 128, ... bodies until the interval",
-        (sequential.LOOK,),
-    ),
+    (rigid.stability_map, "gets {}, 128, ... bodies until the interval", (sequential.LOOK,)),
     (
         rigid.stability_map,
         "confidence {}, in which undecided and failed bodies may be either. Looking after each {}",
@@ -126,11 +115,7 @@ SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
     (Crossings, "within {} of the scale of its", (of_core("trajectory/section/mod.rs", "NEAR"),)),
     (rigid.lyapunov, "at least {} steps until the first time", (lyapunov.FEWEST,)),
     (rigid.frequencies, "at equal distances; at least {}", (frequencies.FEWEST,)),
-    (
-        rigid.frequency_drift,
-        "at least {} of them",
-        (2 * frequencies.FEWEST - 1,),
-    ),
+    (rigid.frequency_drift, "at least {} of them", (2 * frequencies.FEWEST - 1,)),
     (rigid.report, "differ by about {}, relatively", (ensemble.PERTURBATION,)),
     (rigid.report, "a call takes {} ms", (1e-6 * sweep.WORK,)),
     (

@@ -181,6 +181,7 @@ FINISHED_BY_NUMPY = ("other times", "section of a rate", "section of the height"
 """Doors with numbers that NumPy rounds, as the processor is told to."""
 
 TENSOR = [[2.0, 0.1, 0.3], [0.1, 3.0, 0.2], [0.3, 0.2, 4.0]]
+ONE = np.array([[0.9, 0.3, 0.2, 0.1]])
 COUNTS = np.arange(1, 4000)
 
 
@@ -201,7 +202,7 @@ COMPUTED: dict[str, Callable[[], list[Floats]]] = {
     "map": lambda: mapped(rigid.tilt_below(0.5)),
     "map of verdicts": lambda: mapped(rigid.regular()),
     "principal axes": lambda: [np.array(_core.principal_axes(TENSOR)[1])],
-    "unit quaternions": lambda: [_core.unit_quaternions(np.array([[0.9, 0.3, 0.2, 0.1]]))],
+    "unit quaternions": lambda: [np.asarray(_core.unit_quaternions(ONE))],
     "intervals": lambda: list(_core.clopper_pearson(COUNTS, np.full_like(COUNTS, 4000), 0.95)),
     "closed form": lambda: through(BOX, "chosen method"),
     "closed form of a top": lambda: through(LAGRANGE, "chosen method"),

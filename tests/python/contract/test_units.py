@@ -120,59 +120,53 @@ def test_steps_of_milliseconds_by_torques_of_millimetres() -> None:
 
 
 BODY = rigid.Body((1.0, 1.5, 2.0))
-REFUSED: dict[str, tuple[Callable[[], object], str]] = {
-    "rates in metres": (
+REFUSED: list[tuple[Callable[[], object], str]] = [
+    (
         lambda: rigid.simulate(BODY, Q([1.0, 0.0, 0.0], "m"), t=[1.0]),
         r"omega in meter: must be in rad/s or a unit of its kind",
     ),
-    "hertz": (
+    (
         lambda: rigid.simulate(BODY, Q([1.0, 0.0, 0.0], "kHz"), t=[1.0]),
         r"omega in kilohertz: a rate is in rad/s, rpm or degrees per second",
     ),
-    "a list of quantities": (
+    (
         lambda: rigid.simulate(BODY, [0.0, 0.0, Q(1.0, "kg")], t=[1.0]),
         r"omega in kilogram: must be in rad/s",
     ),
-    "time in radians": (
+    (
         lambda: rigid.simulate(BODY, [1.0, 0.0, 0.0], t=Q([1.0], "rad")),
         r"t in radian: must be in s or",
     ),
-    "a mass in metres": (
-        lambda: rigid.Body.box(1.0, 2.0, 3.0, mass=Q(1.0, "m")),
-        r"mass in meter: must be in kg",
-    ),
-    "a side in kilograms": (
-        lambda: rigid.Body.box(Q(1.0, "kg"), 2.0, 3.0),
-        r"a in kilogram: must be in m or",
-    ),
-    "noise": (
+    (lambda: rigid.Body.box(1.0, 2.0, 3.0, mass=Q(1.0, "m")), r"mass in meter: must be in kg"),
+    (lambda: rigid.Body.box(Q(1.0, "kg"), 2.0, 3.0), r"a in kilogram: must be in m or"),
+    (
         lambda: rigid.normal(Q(1.0, "s")),
         r"size in second: must be in rad/s or rad or a unit of its kind",
     ),
-    "a step in percent": (
+    (
         lambda: rigid.Motion(BODY, [1.0, 0.0, 0.0]).step(Q(5.0, "percent")),
         r"dt in percent: must be in s or a unit of its kind",
     ),
-    "a torque in percent": (
+    (
         lambda: rigid.Motion(BODY, [1.0, 0.0, 0.0]).step(0.1, (0.1, Q(5.0, "percent"), 0.2)),
         r"torque in percent: must be in N m or a unit of its kind",
     ),
-    "an axis": (
+    (
         lambda: rigid.maps.axes.make_axes({"spin": Q([1.0], "N")}),
         r"axes\['spin'\] in newton: must be in rad/s",
     ),
-    "a ratio": (
+    (
         lambda: rigid.maps.axes.make_axes({"I2/I1": Q([1.0], "kg")}),
         r"axes\['I2/I1'\] in kilogram: takes numbers without units",
     ),
-    "no unit": (
+    (
         lambda: rigid.simulate(BODY, [1.0, 0.0, 0.0], t=[1.0], accuracy=Q(1.0, "m")),
         r"accuracy in meter: takes numbers without units",
     ),
-}
+]
 
 
-test_a_quantity_of_another_kind_is_refused = refuses(REFUSED.values())
+test_a_quantity_of_another_kind_is_refused = refuses(REFUSED)
 
 
 def test_no_unit_is_lost_in_silence() -> None:
@@ -241,10 +235,6 @@ def test_periods_of_an_asteroid_in_hours_and_a_damping_time_in_years() -> None:
         (
             lambda: rigid.Body.box(1.0, 1.0, 1.0, mass="3"),
             "mass = '3': must be a real number in kg, not a text; leave out the quotation marks",
-        ),
-        (
-            lambda: rigid.Body.box(1.0, 1.0, 1.0, mass="heavy"),
-            "mass = 'heavy': must be a real number in kg, not a text",
         ),
         (
             lambda: rigid.Body.box(1.0, 1.0, 1.0, mass="1.2.3"),

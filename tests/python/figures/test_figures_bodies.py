@@ -283,17 +283,16 @@ def test_no_size_is_too_small_or_too_large_to_draw() -> None:
 
 test_what_cannot_be_drawn_is_refused = refuses(
     [
-        (lambda: figures.free_top_omega((1, 2, 3), OMEGA), ValueError, "symmetr"),
-        (lambda: figures.free_top_omega(OBLATE, [0, 0, 0]), ValueError, "has no axis"),
-        (lambda: figures.free_top_omega(OBLATE, OMEGA, t=np.inf), ValueError, "t = inf"),
-        (lambda: figures.coplanar_vectors([], OMEGA), ValueError, "bodies: expected at least"),
-        (lambda: figures.coplanar_vectors([(1, 1, 9)], OMEGA), ValueError, "triangle"),
-        (lambda: figures.coplanar_vectors([OBLATE], OMEGA).plot([]), ValueError, "1 panels"),
-        (lambda: figures.cones(OBLATE, [0, 0, 2]), ValueError, "no cone rolls"),
-        (lambda: figures.cones(OBLATE, [2, 0, 0]), ValueError, "no cone rolls"),
-        (lambda: figures.cones((1, 1, 1), OMEGA), ValueError, "no cone rolls"),
+        (lambda: figures.free_top_omega((1, 2, 3), OMEGA), "symmetr"),
+        (lambda: figures.free_top_omega(OBLATE, [0, 0, 0]), "has no axis"),
+        (lambda: figures.free_top_omega(OBLATE, OMEGA, t=np.inf), "t = inf"),
+        (lambda: figures.coplanar_vectors([], OMEGA), "bodies: expected at least"),
+        (lambda: figures.coplanar_vectors([(1, 1, 9)], OMEGA), "triangle"),
+        (lambda: figures.cones(OBLATE, [0, 0, 2]), "no cone rolls"),
+        (lambda: figures.cones(OBLATE, [2, 0, 0]), "no cone rolls"),
+        (lambda: figures.cones((1, 1, 1), OMEGA), "no cone rolls"),
         (lambda: figures.box(cast(Any, (1, 2, 3))), TypeError, "must be a rigid.Body"),
-        (lambda: figures.box(rigid.Body((1, 2, 3))), ValueError, "sides are not known"),
+        (lambda: figures.box(rigid.Body((1, 2, 3))), "sides are not known"),
         (
             lambda: figures.heavy_top(cast(Any, "top"), [0, 0, 0]),
             TypeError,
@@ -303,22 +302,19 @@ test_what_cannot_be_drawn_is_refused = refuses(
             lambda: figures.heavy_top(
                 rigid.HeavyTop(rigid.Body((1, 1, 1)), mgl=1.0, com=(1, 0, 0)), [0, 0, 0]
             ),
-            ValueError,
             r"com = \(1.0, 0.0, 0.0\): must be",
         ),
-        (lambda: figures.heavy_top(heavy(), [0, 0, 0], length=0.0), ValueError, "length = 0.0"),
+        (lambda: figures.heavy_top(heavy(), [0, 0, 0], length=0.0), "length = 0.0"),
         (
             lambda: figures.spring_modes(MASSES, CORNER, [0, 0, 1], stiffness=[10.0]),
-            ValueError,
             "two or more, positive and ascending",
         ),
         (
             lambda: figures.spring_modes(MASSES, CORNER, [0, 0, 1], stiffness=[10.0, 5.0]),
-            ValueError,
             "two or more, positive and ascending",
         ),
-        (lambda: figures.bearing_torque(TILTED, 0.0), ValueError, "omega = 0.0"),
-        (lambda: figures.bearing_torque(np.eye(2), 1.0), ValueError, r"expected shape \(3, 3\)"),
-        (lambda: figures.bearing_torque(np.diag([1, 1, 9]), 1.0), ValueError, "no body has"),
+        (lambda: figures.bearing_torque(TILTED, 0.0), "omega = 0.0"),
+        (lambda: figures.bearing_torque(np.eye(2), 1.0), r"expected shape \(3, 3\)"),
+        (lambda: figures.bearing_torque(np.diag([1, 1, 9]), 1.0), "no body has"),
     ]
 )

@@ -297,16 +297,8 @@ test_what_cannot_be_drawn_is_refused = refuses(
     [
         (lambda: figures.frames([0, 1]), r"angles: expected shape \(3,\)"),
         (lambda: figures.frames([0, np.nan, 1]), r"angles\[1\] = nan: must be finite"),
-        (lambda: figures.frames(ANGLES).plot(Figure().add_subplot()), "needs 3-D axes"),
         (lambda: figures.euler_steps(ANGLES, point=[1, 2, 3]), r"point: expected shape \(2,\)"),
-        (lambda: figures.euler_steps(ANGLES).plot([]), "has 4 panels, got 0 axes"),
         (lambda: figures.active_passive(0.1, vector=[0, 0]), r"vector = \[0.0, 0.0\]: must not"),
-        (
-            lambda: figures.active_passive(0.1).plot(
-                [Figure().add_subplot(projection="3d"), Figure().add_subplot()]
-            ),
-            "needs 2-D axes",
-        ),
         (lambda: figures.unit_vector_change(0.1, unit=4), "axis = 4: must be one of"),
         (lambda: figures.unit_vector_change(0.1, about=1), "does not turn about itself"),
         (lambda: figures.rotating_body([], [0, 0, 1]), "positions: expected shape"),

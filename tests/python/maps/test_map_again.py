@@ -179,22 +179,14 @@ def test_three_counts_are_enough_for_intervals_theory_and_a_picture(tmp_path: Pa
 
 test_counts_that_no_computation_gives = refuses(
     [
-        ({"stable": 21}, ValueError, "stable[0, 0] = 21: more bodies than samples, 20"),
-        (
-            {"stable": 15, "unstable": 6},
-            ValueError,
-            "stable[0, 0] = 15: the classes have more bodies than 20",
-        ),
-        ({"unstable": -1}, ValueError, "unstable[0, 0] = -1: must not be negative"),
-        ({"stable": [1, 2]}, ValueError, "stable: expected shape (5, 7), got (2,)"),
+        ({"stable": 21}, "stable[0, 0] = 21: more bodies than samples, 20"),
+        ({"stable": 15, "unstable": 6}, "stable[0, 0] = 15: the classes have more bodies than 20"),
+        ({"unstable": -1}, "unstable[0, 0] = -1: must not be negative"),
+        ({"stable": [1, 2]}, "stable: expected shape (5, 7), got (2,)"),
         ({"stable": 1.5}, TypeError, "stable = 1.5: must be whole numbers"),
         ({"failed": 1}, TypeError, "failed: give its reasons step_limit, not_finite, drifted"),
         ({"drift": 1}, TypeError, "drift: is no column of a map; did you mean 'drifted'?"),
-        (
-            {"exact": 3},
-            ValueError,
-            "exact[0, 0] = 3: more bodies than the classes",
-        ),
+        ({"exact": 3}, "exact[0, 0] = 3: more bodies than the classes"),
     ],
     literal=True,
     by=lambda counts: rigid.StabilityMap.from_counts(

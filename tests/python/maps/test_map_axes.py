@@ -24,8 +24,6 @@ FREE: dict[str, Any] = {
     "samples": 70,
 }
 MAPS: dict[str, dict[str, Any]] = {
-    "closed form": {**FREE, "method": "exact"},
-    "integrated, all checked": FREE,
     "tops with audits": {
         "scene": TOP,
         "axes": {"spin": [1.0, 3.0], "mgl": [0.5, 1.0]},
@@ -33,14 +31,6 @@ MAPS: dict[str, dict[str, Any]] = {
         "stable": rigid.tilt_below(0.6),
         "method": "auto",
         "samples": 70,
-    },
-    "regular": {
-        "scene": TOP,
-        "axes": {"spin": [1.0, 3.0]},
-        "start": CLOUD,
-        "stable": rigid.regular(),
-        "method": "auto",
-        "samples": 5,
     },
     "impossible bodies": {**FREE, "axes": {"I1": [0.1, 0.9, 5.0]}},
 }
@@ -70,17 +60,6 @@ def test_a_map_over_horizons_is_the_maps_of_each(kind: str, place: str) -> None:
         part = small_map(**options, axes=axes, t_end=end)
         index = (..., k) if place == "first" else (k,)
         assert_slice(whole, index, part)
-        if kind == "regular":
-            np.testing.assert_array_equal(whole.exponent[index], part.exponent)
-
-
-def test_a_longer_horizon_loses_more_bodies() -> None:
-    # The bodies of all horizons are the same, so in closed form none comes back.
-    ends = np.linspace(1.0, 60.0, 30)
-    result = small_map(method="exact", axes={"t_end": ends, "noise": [1e-3, 1e-2]}, samples=200)
-    assert (np.diff(result.stable, axis=1) <= 0).all()
-    assert (result.stable[:, 0] == 200).all()
-    assert (result.stable[:, -1] < 20).all()
 
 
 def test_a_map_may_have_no_axis_but_the_horizon() -> None:
@@ -97,16 +76,6 @@ def test_the_horizon_need_not_be_said_twice() -> None:
     options: dict[str, Any] = {"axes": {"t_end": ENDS}, "samples": 3, "stable": rigid.no_flip()}
     spec = rigid.stability_map(rigid.FreeBody, **options, rng=1, progress=False).spec
     assert spec.t_end == 11.0
-
-
-def test_limits_of_the_criterion() -> None:
-    options = {**MAPS["tops with audits"], "axes": {"spin": [1.0, 3.0]}, "t_end": 4.0}
-    limits = [0.2, 0.6, 1.5]
-    whole = small_map(**{**options, "axes": {"limit": limits, "spin": [1.0, 3.0]}})
-    for k, limit in enumerate(limits):
-        part = small_map(**{**options, "stable": rigid.tilt_below(limit)})
-        assert_slice(whole, (slice(None), k), part)
-    assert (np.diff(whole.stable, axis=1) > 0).any()
 
 
 def test_every_horizon_and_limit_sees_the_same_bodies() -> None:
@@ -196,12 +165,9 @@ def test_ratios_follow_each_other_along_three_axes() -> None:
 test_axes_that_do_not_go_together = refuses(
     [
         (["I1/I2", "I2/I3", "I3/I1"], "'I1/I2' and 'I2/I3' and 'I3/I1' set ratios that depend"),
-        (["I1/I2", "I2/I1", "I3"], "'I1/I2' and 'I2/I1' set the same ratio"),
-        (["I1", "I3", "I1/I3"], "'I1' and 'I1/I3' both set I1"),
-        (["noise", "noise2"], "'noise2' and 'noise' exclude each other: both say how large"),
+        (["noise", "noise2"], "'noise2' and 'noise' exclude each other: both set the noise"),
         (["limit"], "'limit' does not apply: no flip about axis 2 limits no angle"),
         (["com1"], "'com1' does not apply: a free body feels no weight; use a HeavyTop"),
-        ([], "axes: expected 1 to 32 parameters (x, then y, ...), got 0"),
     ],
     literal=True,
     by=lambda axes: small_map(axes={name: [1.0] for name in axes}, samples=1),

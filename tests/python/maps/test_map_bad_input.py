@@ -1,6 +1,11 @@
-"""Refusals of the map layer: each names the argument, its value and the rule that it breaks."""
+"""Refusals of the map layer: each names the argument, its value and the rule that it breaks.
+
+What a call of Python and a table of a file both say stands in one table, for both doors.
+"""
 
 import dataclasses
+import json
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -8,9 +13,12 @@ import numpy as np
 import pytest
 
 import rigid
+from map_texts import map_text
 from physics import LISTED, NAMES
 from refusals import refuses
 from rigid import _core
+from rigid.cli.toml_map import parse_spec
+from rigid.cli.toml_table import SpecError
 from rigid.maps.core_request import CoreRequest, CoreStarts
 from rigid.model.criteria import NoFlip, TiltBelow
 from rigid.model.criterion import Criterion
@@ -35,27 +43,151 @@ def refusal(call: Callable[[], object], kind: type[Exception]) -> str:
     return message
 
 
+# What a call and a file both say
+
+#: The table of a file, its keys, the kind of the error of Python if it is no ValueError, the words.
+BOTH: list[tuple[Any, ...]] = [
+    ("start", {"spin": 1.0, "omega": [1, 2, 3]}, "omega, spin: give one of the two to a start"),
+    ("start", {"spin": np.nan}, "spin = nan: must be finite"),
+    ("start", {"spin": "fast"}, TypeError, "spin = 'fast': must be a"),
+    ("start", {"spin": True}, TypeError, "spin = True: must be a"),
+    ("start", {"omega": [1.0, 2.0]}, "omega: expected shape (3,), got (2,)"),
+    ("start", {"omega": [1.0, np.inf, 0.0]}, "omega[1] = inf: must be finite"),
+    ("start", {"spin": 1.0, "axis": 4}, "axis = 4: must be one of 1, 2, 3"),
+    ("start", {"spin": 1.0, "axis": -1}, "axis = -1: must be one of 1, 2, 3"),
+    ("start", {"spin": 1.0, "axis": 1.5}, TypeError, "= 1.5: must be a whole number, one of 1, 2"),
+    ("start", {"spin": 1.0, "axis": True}, TypeError, "axis = True: must be a whole number"),
+    ("start", {"spin": 1.0, "tilt": 4.0}, "tilt = 4.0: must lie in [-pi, pi] (rad)"),
+    ("start", {"spin": 1.0, "tilt": np.inf}, "tilt = inf: must be finite"),
+    ("start.noise", {"size": -1.0}, "size = -1.0: must not be negative"),
+    ("start.noise", {"size": np.inf}, "size = inf: must be finite"),
+    ("start.noise", {"size": "large"}, TypeError, "size = 'large': must be a"),
+    ("start.noise", {"size": [1.0, 2.0]}, "size: expected shape (3,), got (2,)"),
+    ("start.noise", {"size": [1.0, -2.0, 0.0]}, "size = -2.0: must not be negative"),
+    ("start.noise", {"size": [1.0, np.nan, 0.0]}, "size[1] = nan: must be finite"),
+    ("stable", {"axis": 0}, "axis = 0: must be one of 1, 2, 3"),
+    ("stable", {"axis": -1}, "axis = -1: must be one of 1, 2, 3"),
+    ("stable", {"axis": 1.5}, TypeError, "axis = 1.5: must be a whole number"),
+    ("stable", {"angle": 0.0}, "angle = 0.0: must be positive"),
+    ("stable", {"angle": 4.0}, "angle = 4.0: must lie in (0, pi] (rad)"),
+    ("stable", {"angle": np.nan}, "angle = nan: must be finite"),
+    ("stable", {"angle": "a"}, TypeError, "angle = 'a': must be a"),
+    ("stable", {"angle": 0.5, "axis": 0}, "axis = 0: must be one of 1, 2, 3, -1, -2, -3"),
+    (
+        "stable",
+        {"angle": 0.5, "reference": "vertikal"},
+        "reference = 'vertikal': must be one of 'start', 'vertical'; did you mean 'vertical'?",
+    ),
+    ("run", {"samples": 0}, "samples = 0: must be at least 1"),
+    ("run", {"samples": 2.0}, TypeError, "samples = 2.0: must be a whole number"),
+    ("run", {"samples": True}, TypeError, "samples = True: must be a whole number"),
+    ("run", {"samples": 2**63}, "samples = 9223372036854775808: must be below 2**63"),
+    ("run", {"t_end": 0.0}, "t_end = 0.0: must be positive"),
+    ("run", {"t_end": -1}, "t_end = -1.0: must be positive"),
+    ("run", {"t_end": np.inf}, "t_end = inf: must be finite"),
+    ("run", {"step": 0.0}, "step = 0.0: must be positive"),
+    ("run", {"step": np.nan}, "step = nan: must be finite"),
+    ("run", {"max_steps": 0}, "max_steps = 0: must be at least 1"),
+    ("run", {"max_steps": 2**63}, "max_steps = 9223372036854775808: must be below 2**63"),
+    ("run", {"check": -0.1}, "check = -0.1: must not be negative"),
+    ("run", {"check": 1.5}, "check = 1.5: must lie in [0, 1]"),
+    ("run", {"check": "all"}, TypeError, "check = 'all': must be a"),
+    ("run", {"method": "rk5"}, f"did you mean 'rk4'? must be one of 'auto', {LISTED}"),
+    ("run", {"method": 4}, "method = 4: must be one of 'auto', 'exact', 'rk4'"),
+    ("run", {"seed": -1}, "rng = -1: must lie in 0 .. 2**128 - 1"),
+    ("run", {"seed": 2**128}, f"rng = {2**128}: must lie in 0 .. 2**128 - 1"),
+    ("run", {"seed": 1.5}, TypeError, "rng = 1.5: must be a whole number"),
+    ("run", {"seed": True}, TypeError, "rng = True: must be a whole number"),
+    ("run", {"time_unit": "days"}, "time_unit = 'days': must be one of 's', 'min', 'h'"),
+    ("run", {"time_unit": "orbit"}, "'orbit': the scene must have one orbit with a per"),
+    ("x", {"I1": ["one"]}, TypeError, "axes['I1'] = ['one']: must be"),
+    ("x", {"I1": [[1], [2, 3]]}, "axes['I1'] = [[1], [2, 3]]: must be"),
+    ("x", {"I1": [[1.0]]}, "axes['I1']: expected shape (n,) with n >= 1, got (1, 1)"),
+    ("x", {"I1": []}, "axes['I1']: expected shape (n,) with n >= 1, got (0,)"),
+    ("x", {"I1": 1.0}, "axes['I1']: expected shape (n,) with n >= 1, got ()"),
+    ("x", {"I1": [1.0, np.nan]}, "axes['I1'][1] = nan: must be finite"),
+    ("x", {"I1": [1.0, 1.0]}, "axes['I1']: must increase or decrease strictly"),
+    ("x", {"I1": [1.0, 2.0, 1.5]}, "axes['I1']: must increase or decrease strictly"),
+    ("x", {"noise": [0.1, -0.1]}, "axes['noise'][1] = -0.1: must not be negative"),
+    ("x", {"tilt": [0.1, 4.0]}, "axes['tilt'][1] = 4: must lie in [-3.14159, 3.14159]"),
+    ("x", {"b": [0.0, 1.0]}, "axes['b'][0] = 0: must be positive"),
+    ("x", {"mass": [-2.0]}, "axes['mass'][0] = -2: must be positive"),
+    ("x", {"mgl": [-2.0]}, "axes['mgl'][0] = -2: must not be negative"),
+]
+
+
+def by_call(table: str, given: dict[str, Any]) -> object:
+    """What Python is asked with the keys of a table."""
+    if table == "start":
+        return rigid.Start(**given)
+    if table == "start.noise":
+        return rigid.normal(**given)
+    if table == "stable":
+        return rigid.tilt_below(**given) if "angle" in given else rigid.no_flip(**given)
+    if table == "x":
+        return small_map(BOX, axes=given)
+    return small_map(**{"rng" if name == "seed" else name: one for name, one in given.items()})
+
+
+def in_toml(value: Any) -> str:
+    """A value as a file writes it."""
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{name} = {in_toml(one)}' for name, one in value.items())} }}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(in_toml, value))}]"
+    return json.dumps(value) if isinstance(value, str | bool) else repr(value)
+
+
+def by_file(table: str, given: dict[str, Any]) -> object:
+    """A file with the keys of a table."""
+    start: dict[str, Any] = {"spin": 1.0}
+    tables: dict[str, dict[str, Any]] = {
+        "scene": {"kind": "free-body", "box": [0.25, 0.08, 0.01]},
+        "x": {"name": "b", "values": [0.1, 0.2]},
+        "start": start,
+        "stable": {"criterion": "no_flip"},
+        "run": {"t_end": 1.0, "samples": 2},
+    }
+    if table == "start":
+        tables["start"] = given
+    elif table == "start.noise":
+        start["noise"] = {"kind": "normal", **given}
+    elif table == "stable":
+        tables["stable"] = {"criterion": "tilt_below" if "angle" in given else "no_flip", **given}
+    elif table == "x":
+        ((name, values),) = given.items()
+        tables["x"] = {"name": name, "values": values}
+    else:
+        tables["run"] |= given
+    lines = {
+        name: "\n".join(f"{key} = {in_toml(one)}" for key, one in keys.items())
+        for name, keys in tables.items()
+    }
+    return parse_spec(map_text(**lines), "wrong.toml")
+
+
+def as_in_a_file(words: str) -> str:
+    """Words of Python with the names that a file has for them."""
+    return re.sub(r"axes\['.*?'\]", "values", words).replace("rng =", "seed =")
+
+
+test_a_call_is_refused = refuses(BOTH, literal=True, by=by_call)
+test_a_file_is_refused_by_the_same_rules = refuses(
+    [
+        (table, given, [as_in_a_file(words), f"wrong.toml: [{table}] "])
+        for table, given, *_, words in BOTH
+    ],
+    kind=SpecError,
+    by=by_file,
+)
+
+
 # Starts
 
 
 test_starts = refuses(
     [
-        ({}, ValueError, "omega, spin: give one of the two to a start"),
-        ({"spin": 1.0, "omega": (1, 2, 3)}, ValueError, "omega, spin: give one of the two"),
-        ({"spin": np.nan}, ValueError, "spin = nan: must be finite"),
-        ({"spin": "fast"}, TypeError, "spin = 'fast': must be a"),
-        ({"omega": [1.0, 2.0]}, ValueError, "omega: expected shape (3,), got (2,)"),
-        ({"omega": [1.0, np.inf, 0.0]}, ValueError, "omega[1] = inf: must be finite"),
-        ({"spin": 1.0, "axis": 4}, ValueError, "axis = 4: must be one of 1, 2, 3"),
-        ({"spin": 1.0, "axis": -1}, ValueError, "axis = -1: must be one of 1, 2, 3"),
-        (
-            {"spin": 1.0, "axis": 1.5},
-            TypeError,
-            "axis = 1.5: must be a whole number, one of 1, 2, 3",
-        ),
-        ({"spin": 1.0, "axis": True}, TypeError, "axis = True: must be a whole number"),
-        ({"spin": 1.0, "tilt": 4.0}, ValueError, "tilt = 4.0: must lie in [-pi, pi] (rad)"),
-        ({"spin": 1.0, "tilt": np.inf}, ValueError, "tilt = inf: must be finite"),
+        ({}, "omega, spin: give one of the two to a start"),
         ({"spin": 1.0, "noise": 0.1}, TypeError, "noise = 0.1: must be a Noise such as"),
         (
             {"spin": 1.0, "attitude_noise": "normal"},
@@ -64,7 +196,6 @@ test_starts = refuses(
         ),
         (
             {"spin": 1.0, "noise": rigid.uniform_attitude()},
-            ValueError,
             "noise = uniform_attitude(): rates have no attitude; use attitude_noise",
         ),
     ],
@@ -73,20 +204,11 @@ test_starts = refuses(
 )
 
 
-@pytest.mark.parametrize("law", [rigid.normal, rigid.uniform, rigid.direction])
-@pytest.mark.parametrize(
-    ("size", "kind", "message"),
-    [
-        (-1.0, ValueError, "size = -1.0: must not be negative"),
-        (np.inf, ValueError, "size = inf: must be finite"),
-        ("large", TypeError, "size = 'large': must be a"),
-        ([1.0, 2.0], ValueError, "size: expected shape (3,), got (2,)"),
-        ([1.0, -2.0, 0.0], ValueError, "size = -2.0: must not be negative"),
-        ([1.0, np.nan, 0.0], ValueError, "size[1] = nan: must be finite"),
-    ],
-)
-def test_noise(law: Any, size: Any, kind: type[Exception], message: str) -> None:
-    assert message in refusal(lambda: law(size), kind)
+@pytest.mark.parametrize("law", [rigid.uniform, rigid.direction])
+def test_sizes_of_other_laws_are_those_of_a_normal_one(law: Callable[[Any], rigid.Noise]) -> None:
+    for table, given, *kind, words in BOTH:
+        if table == "start.noise":
+            assert words in refusal(lambda size=given["size"]: law(size), *kind or [ValueError])  # type: ignore[misc]
 
 
 def test_kinds_of_noise() -> None:
@@ -106,45 +228,25 @@ def test_sizes_may_be_numbers_of_numpy() -> None:
 
 test_criteria = refuses(
     [
-        (lambda: rigid.no_flip(0), ValueError, "axis = 0: must be one of 1, 2, 3"),
-        (lambda: rigid.no_flip(-1), ValueError, "axis = -1: must be one of 1, 2, 3"),
-        (lambda: rigid.no_flip(1.5), TypeError, "axis = 1.5: must be a whole number"),  # type: ignore[arg-type]
-        (lambda: rigid.tilt_below(0.0), ValueError, "angle = 0.0: must be positive"),
-        (lambda: rigid.tilt_below(-0.5), ValueError, "angle = -0.5: must be positive"),
-        (lambda: rigid.tilt_below(4.0), ValueError, "angle = 4.0: must lie in (0, pi] (rad)"),
-        (lambda: rigid.tilt_below(np.nan), ValueError, "angle = nan: must be finite"),
-        (lambda: rigid.tilt_below("a"), TypeError, "angle = 'a': must be a"),  # type: ignore[arg-type]
-        (
-            lambda: rigid.tilt_below(0.5, axis=0),
-            ValueError,
-            "axis = 0: must be one of 1, 2, 3, -1, -2, -3",
-        ),
-        (
-            lambda: rigid.tilt_below(0.5, reference="vertikal"),
-            ValueError,
-            "reference = 'vertikal': must be one of 'start', 'vertical'; did you mean 'vertical'?",
-        ),
         (
             lambda: NoFlip().conditions(),
-            ValueError,
             "no_flip() without an axis needs a start: call resolved() first",
         ),
         (
             lambda: TiltBelow(0.5).conditions(),
-            ValueError,
             "tilt_below() without a reference needs a scene: call resolved() first",
         ),
         (
             lambda: small_map(stable=rigid.tilt_below(0.5, reference="vertical")),
-            ValueError,
             "reference = 'vertical': a free body knows no vertical; use 'start' or a HeavyTop",
         ),
         (
             lambda: small_map(axes={"I1": [1.0]}, start=rigid.Start(omega=(1.0, -1.0, 0.5))),
-            ValueError,
             "no_flip() cannot tell the axis: omega (1.0, -1.0, 0.5) has no single largest "
             "component; say no_flip(axis=...)",
         ),
+        (lambda: small_map(t_ende=3.0), TypeError, "t_ende"),
+        (lambda: rigid.stability_map(FREE, {"I1": [1.0]}), TypeError, "positional"),  # type: ignore[call-arg]
     ],
     literal=True,
 )
@@ -157,31 +259,17 @@ test_axes = refuses(
     [
         (3, TypeError, "axes = 3: must be a dict of names and values"),
         ([("I1", [1.0])], TypeError, "axes = [('I1', [1.0])]: must be a dict"),
-        ({}, ValueError, "axes: expected 1 to 32 parameters (x, then y, ...), got 0"),
+        ({}, "axes: expected 1 to 32 parameters (x, then y, ...), got 0"),
         (
             {name: [1.0] for name in list(PARAMETERS)[:33]},
-            ValueError,
             "axes: expected 1 to 32 parameters (x, then y, ...), got 33",
         ),
-        ({"I4": [1.0]}, ValueError, "axes: unknown parameter 'I4'"),
-        ({"spinn": [1.0]}, ValueError, "axes: unknown parameter 'spinn'; did you mean 'spin'?"),
-        ({"I1/I1": [1.0]}, ValueError, "axes: unknown parameter 'I1/I1'"),
-        ({"spinn": [1.0]}, ValueError, "(known: I1 to I3, I1/I2"),
-        ({3: [1.0]}, ValueError, "axes: unknown parameter 3"),
-        ({"I1": ["one"]}, TypeError, "axes['I1'] = ['one']: must be"),
+        ({"I4": [1.0]}, "axes: unknown parameter 'I4'"),
+        ({"spinn": [1.0]}, "axes: unknown parameter 'spinn'; did you mean 'spin'?"),
+        ({"I1/I1": [1.0]}, "axes: unknown parameter 'I1/I1'"),
+        ({"spinn": [1.0]}, "(known: I1 to I3, I1/I2"),
+        ({3: [1.0]}, "axes: unknown parameter 3"),
         ({"I1": [1.0 + 1.0j]}, TypeError, "axes['I1'] = [(1+1j)]: must be"),
-        ({"I1": [[1.0]]}, ValueError, "axes['I1']: expected shape (n,) with n >= 1, got (1, 1)"),
-        ({"I1": []}, ValueError, "axes['I1']: expected shape (n,) with n >= 1, got (0,)"),
-        ({"I1": 1.0}, ValueError, "axes['I1']: expected shape (n,) with n >= 1, got ()"),
-        ({"I1": [1.0, np.nan]}, ValueError, "axes['I1'][1] = nan: must be finite"),
-        ({"I1": [np.inf, 1.0]}, ValueError, "axes['I1'][0] = inf: must be finite"),
-        ({"I1": [1.0, 1.0]}, ValueError, "axes['I1']: must increase or decrease strictly"),
-        ({"I1": [1.0, 2.0, 1.5]}, ValueError, "axes['I1']: must increase or decrease strictly"),
-        ({"noise": [0.1, -0.1]}, ValueError, "axes['noise'][1] = -0.1: must not be negative"),
-        ({"tilt": [0.1, 4.0]}, ValueError, "axes['tilt'][1] = 4: must lie in [-3.14159, 3.14159]"),
-        ({"b": [0.0, 1.0]}, ValueError, "axes['b'][0] = 0: must be positive"),
-        ({"mass": [-2.0]}, ValueError, "axes['mass'][0] = -2: must be positive"),
-        ({"mgl": [-2.0]}, ValueError, "axes['mgl'][0] = -2: must not be negative"),
     ],
     literal=True,
     by=lambda axes: small_map(BOX, axes=axes),
@@ -268,55 +356,19 @@ test_requests = refuses(
             TypeError,
             "stable = 'no_flip': must be a criterion, rigid.no_flip() or rigid.tilt_below(angle)",
         ),
-        ({"samples": 0}, ValueError, "samples = 0: must be at least 1"),
-        ({"samples": 2.0}, TypeError, "samples = 2.0: must be a whole number"),
-        ({"samples": True}, TypeError, "samples = True: must be a whole number"),
-        ({"samples": 2**63}, ValueError, "samples = 9223372036854775808: must be below 2**63"),
-        ({"samples": 2**60}, ValueError, "samples = 1152921504606846976: too many to count"),
-        ({"t_end": 0.0}, ValueError, "t_end = 0.0: must be positive"),
-        ({"t_end": -1}, ValueError, "t_end = -1.0: must be positive"),
-        ({"t_end": np.inf}, ValueError, "t_end = inf: must be finite"),
+        ({"samples": 2**60}, "samples = 1152921504606846976: too many to count"),
         ({"t_end": None}, TypeError, "stability_map() needs t_end"),
-        ({"step": 0.0}, ValueError, "step = 0.0: must be positive"),
-        ({"step": np.nan}, ValueError, "step = nan: must be finite"),
-        ({"max_steps": 0}, ValueError, "max_steps = 0: must be at least 1"),
-        ({"max_steps": 2**63}, ValueError, "max_steps = 9223372036854775808: must be below 2**63"),
-        ({"check": -0.1}, ValueError, "check = -0.1: must not be negative"),
-        ({"check": 1.5}, ValueError, "check = 1.5: must lie in [0, 1]"),
-        ({"check": "all"}, TypeError, "check = 'all': must be a"),
-        (
-            {"method": "rk5"},
-            ValueError,
-            f"did you mean 'rk4'? must be one of 'auto', {LISTED}",
-        ),
-        ({"method": 4}, ValueError, "method = 4: must be one of 'auto', 'exact', 'rk4'"),
-        ({"rng": -1}, ValueError, "rng = -1: must lie in 0 .. 2**128 - 1"),
-        ({"rng": 2**128}, ValueError, f"rng = {2**128}: must lie in 0 .. 2**128 - 1"),
         ({"rng": 1.5}, TypeError, "rng = 1.5: must be a whole number, a numpy Generator or"),
-        ({"rng": True}, TypeError, "rng = True: must be a whole number"),
-        ({"threads": 0}, ValueError, "threads = 0: must be at least 1"),
+        ({"threads": 0}, "threads = 0: must be at least 1"),
         ({"threads": 1.5}, TypeError, "threads = 1.5: must be a whole number"),
-        (
-            {"progress": 3},
-            TypeError,
-            "progress = 3: must be None, True, False or a callable",
-        ),
+        ({"progress": 3}, TypeError, "progress = 3: must be None, True, False or a callable"),
         ({"title": 3}, TypeError, "title = 3: must be a string"),
-        ({"time_unit": "days"}, ValueError, "time_unit = 'days': must be one of 's', 'min', 'h'"),
-        ({"time_unit": ("", 2.0)}, ValueError, "('', 2.0): the name must have 1 to 40 letters"),
-        ({"time_unit": ("beat", 0.0)}, ValueError, "time_unit[1] = 0.0: must be positive"),
-        ({"time_unit": "orbit"}, ValueError, "'orbit': the scene must have one orbit with a per"),
+        ({"time_unit": ("", 2.0)}, "('', 2.0): the name must have 1 to 40 letters"),
+        ({"time_unit": ("beat", 0.0)}, "time_unit[1] = 0.0: must be positive"),
     ],
     literal=True,
     by=lambda options: small_map(**options),
 )
-
-
-def test_unknown_options_are_no_options() -> None:
-    with pytest.raises(TypeError, match="t_ende"):
-        small_map(t_ende=3.0)
-    with pytest.raises(TypeError, match="positional"):
-        rigid.stability_map(FREE, {"I1": [1.0]})  # type: ignore[call-arg]
 
 
 def test_the_variable_for_threads(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -406,10 +458,7 @@ test_the_core_checks_its_request = refuses(
         ),
         ({"conditions": [("no_flip", 0, [])]}, "axis = 0: must be 1, 2, 3 or -1, -2, -3"),
         ({"conditions": [("no_flip", 1, [1.0])]}, "limits: expected shape (0,), got (1,)"),
-        (
-            {"conditions": [("regular_rates", 0, [1.0])]},
-            "limits: expected shape (4,), got (1,)",
-        ),
+        ({"conditions": [("regular_rates", 0, [1.0])]}, "limits: expected shape (4,), got (1,)"),
         ({"conditions": [("no_flip", -4, [])]}, "axis = -4: must be 1, 2, 3 or -1, -2, -3"),
         ({"logic": "0 1 &"}, "logic = '0 1 &': must consist of numbers of conditions, &, | and ~"),
         ({"logic": "0 ~ &"}, "logic = '0 ~ &': must have the operands before each operation"),

@@ -215,24 +215,12 @@ def test_sizes_of_the_noise() -> None:
 
 
 def test_every_parameter_is_tested_here() -> None:
-    tested = {"mgl", "spin", "tilt", "noise", "attitude_noise", "mass", *"abc"}
-    tested |= {f"omega{i}" for i in (1, 2, 3)} | {f"I{i}" for i in (1, 2, 3)}
-    tested |= {f"damping{i}" for i in (1, 2, 3)} | {"com_tilt", "com_turn"}
-    # In test_map_axes.py:
-    tested |= {
-        f"{name}{i}" for name in ("com", "torque", "noise", "attitude_noise") for i in (1, 2, 3)
-    }
-    tested |= {"limit", "t_end"}
-    tested |= {"kappa", "attitude_kappa"}  # in test_directions.py
-    # In test_own_starts.py:
-    tested |= {"eccentricity", "anomaly"}  # in test_frame_of_the_orbit.py
-    tested |= {
-        "rate",
-        "damping",
-        "drag",
-        *(f"{of}{i}" for of in ("drag", "dissipation") for i in (1, 2, 3)),
-    }
-    tested |= {"a/b", "b/c", "dissipation", "energy", "l_gamma"} | {f"rotor{i}" for i in (1, 2, 3)}
+    """Or in test_map_axes, test_directions, test_frame_of_the_orbit and test_own_starts."""
+    of_all = ("damping", "drag", "dissipation", "noise", "attitude_noise")
+    of_axes = ("omega", "I", "com", "torque", "rotor", *of_all)
+    tested = {"mgl", "spin", "tilt", "mass", "com_tilt", "com_turn", "limit", "t_end", "kappa"}
+    tested |= {"attitude_kappa", "eccentricity", "anomaly", "rate", "energy", "l_gamma"}
+    tested |= {"a/b", "b/c", *"abc", *of_all, *(f"{of}{i}" for of in of_axes for i in (1, 2, 3))}
     tested |= {f"I{i}/I{j}" for i in (1, 2, 3) for j in (1, 2, 3) if i != j}
     assert set(PARAMETERS) == tested
 

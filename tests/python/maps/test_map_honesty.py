@@ -4,10 +4,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.stats import binom
 
 import rigid
-from rigid.maps.data import interval
 from small_maps import small_map
 
 SIDE = 80
@@ -96,31 +94,6 @@ def test_reasons_of_failure_sum_up() -> None:
     assert limited.step_limit.tolist() == [0, 2]
     for one in (result, limited):
         np.testing.assert_array_equal(one.failed, one.step_limit + one.not_finite + one.drifted)
-
-
-def test_intervals_of_neighbouring_pixels_cover_their_common_share() -> None:
-    """Tops that start near the limit of their tilt: the draw decides whether they pass it."""
-    pixels, samples = 2_000, 64
-    result = rigid.stability_map(
-        rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0),
-        axes={"spin": np.linspace(5.0, 5.001, pixels)},
-        start=rigid.Start(spin=5.0, tilt=0.3, attitude_noise=rigid.normal(5e-2)),
-        stable=rigid.tilt_below(0.5),
-        samples=samples,
-        t_end=30.0,
-        rng=11,
-    )
-    # Hardly anything depends on the spin within 1e-3: the mean of all pixels is the truth.
-    probability = result.stable.sum() / result.samples.sum()
-    assert 0.05 < probability < 0.95
-    covered = ((result.lower <= probability) & (probability <= result.upper)).mean()
-    counts = np.arange(samples + 1)
-    lower, upper = interval(counts, np.full_like(counts, samples))
-    holds = (lower <= probability) & (probability <= upper)
-    exact = float(binom.pmf(counts[holds], samples, probability).sum())
-    assert exact >= 0.95
-    # Four standard deviations of the pixels that cover.
-    assert covered == pytest.approx(exact, abs=4.0 * np.sqrt(exact * (1.0 - exact) / pixels))
 
 
 @pytest.mark.parametrize("method", ["auto", "dop853"])

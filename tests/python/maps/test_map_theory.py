@@ -412,45 +412,29 @@ def test_maps_of_falling_tops_follow_the_horizon() -> None:
 
 # Where nothing is known
 
-HEAVY = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
-UPRIGHT = rigid.Start(spin=5.0, attitude_noise=rigid.normal(1e-3))
+HEAVY: dict[str, Any] = {
+    "scene": rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0),
+    "axes": {"spin": [5.0]},
+    "start": rigid.Start(spin=5.0, attitude_noise=rigid.normal(1e-3)),
+    "stable": rigid.tilt_below(0.5),
+}
+ASYMMETRIC = rigid.HeavyTop(rigid.Body((1.0, 1.1, 0.5)), mgl=1.0)
+LEANING = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0, com=(0.6, 0.0, 0.8))
+UNIFORM = rigid.Start(spin=5.0, attitude_noise=rigid.uniform(1e-3))
+TILTED = rigid.Start(spin=5.0, tilt=0.1, noise=rigid.normal(1e-3))
 
 
 @pytest.mark.parametrize(
     "options",
     [
         {"stable": rigid.tilt_below(0.5)},  # a free body's tilt
-        {"scene": HEAVY, "axes": {"spin": [5.0]}, "stable": rigid.no_flip()},  # a top's flip
-        {"scene": HEAVY, "axes": {"spin": [5.0]}, "stable": rigid.tilt_below(0.5, axis=1)},
-        {
-            "scene": HEAVY,
-            "axes": {"spin": [5.0]},
-            "stable": rigid.tilt_below(0.5, reference="start"),
-        },
-        {
-            "scene": rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0, com=(0.6, 0.0, 0.8)),
-            "axes": {"spin": [5.0]},
-            "start": UPRIGHT,
-            "stable": rigid.tilt_below(0.5),
-        },
-        {
-            "scene": rigid.HeavyTop(rigid.Body((1.0, 1.1, 0.5)), mgl=1.0),
-            "axes": {"spin": [5.0]},
-            "start": UPRIGHT,
-            "stable": rigid.tilt_below(0.5),
-        },
-        {
-            "scene": HEAVY,
-            "axes": {"spin": [5.0]},
-            "start": rigid.Start(spin=5.0, attitude_noise=rigid.uniform(1e-3)),
-            "stable": rigid.tilt_below(0.5),
-        },
-        {
-            "scene": HEAVY,
-            "axes": {"spin": [5.0]},
-            "start": rigid.Start(spin=5.0, tilt=0.1, noise=rigid.normal(1e-3)),
-            "stable": rigid.tilt_below(0.5),
-        },
+        {**HEAVY, "stable": rigid.no_flip()},  # a top's flip
+        {**HEAVY, "stable": rigid.tilt_below(0.5, axis=1)},
+        {**HEAVY, "stable": rigid.tilt_below(0.5, reference="start")},
+        {**HEAVY, "scene": LEANING},
+        {**HEAVY, "scene": ASYMMETRIC},
+        {**HEAVY, "start": UNIFORM},
+        {**HEAVY, "start": TILTED},
     ],
 )
 def test_nothing_is_claimed_where_nothing_is_known(options: dict[str, Any]) -> None:

@@ -1,6 +1,5 @@
 """Measures of maps against brute force over their bodies."""
 
-import dataclasses
 import math
 from fractions import Fraction
 from pathlib import Path
@@ -11,8 +10,8 @@ import pytest
 
 import rigid
 from map_kinds import EVERY_MEASURE
+from refusals import refuses
 from rigid import _core
-from rigid.maps.job import to_core
 from rigid.maps.measured import Measured
 from rigid.model.measures import Measure
 
@@ -35,10 +34,8 @@ def measured(**options: Any) -> rigid.StabilityMap:
 
 def each_body(result: rigid.StabilityMap) -> np.ndarray[Any, np.dtype[np.float64]]:
     """The value of each measure of each body, (measures, pixels, samples)."""
-    samples = result.spec.samples
-    every = np.arange(result.stable.size * samples, dtype=np.uint64)
-    values = to_core(result.spec).outcomes(every, 2)["measures"]
-    return values.T.reshape(len(EVERY_MEASURE), -1, samples)
+    measures = result.outcomes(range(result.spec.samples)).measures
+    return np.array([*measures.values()])
 
 
 def test_numbers_are_those_of_all_bodies() -> None:
@@ -77,41 +74,12 @@ def test_numbers_are_those_of_all_bodies() -> None:
 def test_percentiles_of_a_hundred_bodies_are_their_values_in_order() -> None:
     """In doubles 0.07, 0.14, 0.28, 0.55 times 100 are a little more than whole numbers."""
     result = measured(samples=100, measure=rigid.mean_rate(1), axes={"spin": [2.0]})
-    values = np.sort(
-        to_core(result.spec).outcomes(np.arange(100, dtype=np.uint64), 1)["measures"].T
-    )
+    values = np.sort(each_body(result)[0])
     of_hundred = result.measures["mean_rate"].quantile(np.arange(1, 101) / 100)
     # A bin is narrower than 1/64 of its values.
     np.testing.assert_allclose(of_hundred[:, 0], values[0], rtol=1 / 64)
     rank = np.array([7, 14, 28, 55])
     assert (np.abs(values[0, rank] / values[0, rank - 1] - 1.0) > 2 / 64).any()
-
-
-def test_values_are_those_of_the_motion() -> None:
-    """Flips, tilt and mean rate from a fine trajectory."""
-    result = measured()
-    for pixel in range(3):
-        for sample in range(3):
-            body = result.replay(pixel, sample, t=[0.0])
-            t = np.linspace(0.0, 8.0, 40001)
-            scene = result.spec.grid.scene[pixel]
-            run: Any = rigid.simulate(
-                scene, body.omega, body.attitude, t=t, method="taylor20", step=0.01
-            )
-            # The first rate may be zero.
-            signs = np.sign(run.omega[1:, 1])
-            assert body.measures["flips(2)"] == np.count_nonzero(np.diff(signs))
-            tilt = np.arccos(np.clip(run.gamma[:, 2], -1.0, 1.0)).max()
-            assert body.measures["largest_tilt(3)"] == pytest.approx(tilt, abs=1e-6)
-            # Simpson's rule; its error is of fourth order in 2e-4.
-            weights = np.ones(t.size)
-            weights[1:-1:2], weights[2:-1:2] = 4.0, 2.0
-            for axis, sign in ((1, 1.0), (3, -1.0)):
-                mean = sign * weights @ run.omega[:, axis - 1] / weights.sum()
-                name = f"mean_rate({int(sign) * axis})"
-                assert body.measures[name] == pytest.approx(mean, abs=3e-6)
-            if body.outcome == "unstable":
-                assert body.measures["time_to_leave"] == body.left
 
 
 @pytest.mark.parametrize("method", ["rk4", "splitting4", "dop853"])
@@ -200,38 +168,6 @@ def test_times_of_joined_criteria_are_compared() -> None:
     assert np.count_nonzero(np.abs(alone - truths) > 1e-3 * truths) > 0
 
 
-@pytest.mark.parametrize(("axis", "values"), [("t_end", [3.0, 8.0, 1.0e-3]), ("limit", [0.3, 0.6])])
-def test_each_horizon_and_each_limit_has_the_values_of_its_own_map(
-    axis: str, values: list[float]
-) -> None:
-    # Another axis between those of the bodies: pixels of one horizon do not follow each other.
-    axes = {"spin": [2.0, 3.0], axis: sorted(values), "tilt": [0.1, 0.2, 0.3]}
-    every = measured(axes=axes, samples=70)
-    for place, value in enumerate(sorted(values)):
-        own = {"t_end": value} if axis == "t_end" else {"stable": rigid.tilt_below(value)}
-        single = measured(axes={"spin": [2.0, 3.0], "tilt": [0.1, 0.2, 0.3]}, samples=70, **own)
-        for name in every.measures:
-            one, other = every.measures[name], single.measures[name]
-            for number in ("count", "mean", "std", "least", "largest"):
-                found = getattr(one, number)[:, place]
-                np.testing.assert_array_equal(found, getattr(other, number), err_msg=name)
-            np.testing.assert_array_equal(one.quantile(0.3)[:, place], other.quantile(0.3))
-    assert every.replay((2, 1, 0), 7, t=[0.0]).measures == pytest.approx(
-        {name: values[2, 1, 0] for name, values in every.outcomes(7).measures.items()},
-        nan_ok=True,
-        rel=0,
-        abs=0,
-    )
-
-
-def test_values_of_bodies_in_bulk_are_those_of_the_map() -> None:
-    result = measured(samples=40)
-    values = result.outcomes(range(40)).measures
-    np.testing.assert_array_equal(np.array([*values.values()]), each_body(result))
-    alone = result.outcomes([5, 5, 2], pixel=1).measures["flips(2)"]
-    np.testing.assert_array_equal(alone, values["flips(2)"][1, [5, 5, 2]])
-
-
 def test_the_smallest_numbers_keep_their_order() -> None:
     """Those below 2^-1022 share a bin with zero."""
     statistics = _core.MapStatistics(1, 1)
@@ -239,21 +175,6 @@ def test_the_smallest_numbers_keep_their_order() -> None:
     (bins,) = statistics.bins()
     found = Measured(rigid.flips(), bins, (1,))
     assert (found.least[0], found.largest[0]) == (5e-324, 1e-323)
-
-
-def test_parts_are_merged_in_any_order() -> None:
-    spec = measured(samples=40).spec
-    job = to_core(spec)
-    parts = [job.run(first, min(first + 17, 120), 1) for first in range(0, 120, 17)]
-    bins = []
-    for order in (parts, parts[::-1]):
-        statistics = _core.MapStatistics(3, len(EVERY_MEASURE))
-        for part in order:
-            assert part is not None
-            statistics.merge(part)
-        bins.append(statistics.bins())
-    for one, other in zip(*bins, strict=True):
-        np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize(
@@ -330,42 +251,42 @@ def test_measures_change_no_class() -> None:
     assert "measure" not in without.spec.to_dict()
 
 
-def test_bad_input_is_named() -> None:
-    with pytest.raises(TypeError, match=r"measure = 'flips': must be a measure: rigid\.time"):
-        measured(measure="flips")
-    with pytest.raises(TypeError, match="measure = 3: must be a measure"):
-        measured(measure=3)
-    with pytest.raises(ValueError, match="at most 16 may be"):
-        measured(measure=[rigid.drift()] * 17)
-    with pytest.raises(ValueError, match=r"flips\(2\) is asked for 2 times"):
-        measured(measure=[rigid.flips(2), rigid.flips(2)])
-    with pytest.raises(ValueError, match="axis = 4"):
-        rigid.mean_rate(4)
-    with pytest.raises(ValueError, match="axis = -2"):
-        rigid.flips(-2)
-    with pytest.raises(ValueError, match="reference = 'up': must be one of"):
-        rigid.largest_tilt(reference="up")
-    with pytest.raises(ValueError, match="name = 'spin': must be one of"):
-        Measure("spin")
-    free: dict[str, Any] = {
-        "axes": {"spin": [1.0]},
-        "samples": 1,
-        "t_end": 1.0,
-        "stable": rigid.no_flip(),
-    }
-    with pytest.raises(ValueError, match="a free body knows no vertical"):
-        rigid.stability_map(
-            rigid.FreeBody, **free, measure=rigid.largest_tilt(reference="vertical")
-        )
-    with pytest.raises(ValueError, match=r"method = 'exact': flips\(1\) is measured along steps"):
-        rigid.stability_map(rigid.FreeBody, **free, measure=rigid.flips(1), method="exact")
-    damped = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), damping=0.1)
-    with pytest.raises(ValueError, match=r"under damping a map watches .*; take no_flip\(\)"):
-        rigid.stability_map(damped, **free, measure=rigid.largest_tilt())
-    with pytest.raises(ValueError, match=r"q = 1.5: must lie in \[0, 1\]"):
-        measured(samples=2).measures["drift"].quantile(1.5)
-    spec = measured(samples=2).spec
-    assert dataclasses.replace(spec, measure=()).measure == ()
+OF_FREE: dict[str, Any] = {
+    "axes": {"spin": [1.0]}, "samples": 1, "t_end": 1.0, "stable": rigid.no_flip()
+}  # fmt: skip
+DAMPED = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), damping=0.1)
+
+
+def of_free(measure: Any, scene: Any = rigid.FreeBody, **options: Any) -> rigid.StabilityMap:
+    return rigid.stability_map(scene, **OF_FREE, measure=measure, **options)
+
+
+test_bad_input_is_named = refuses(
+    [
+        (lambda: measured(measure="flips"), TypeError, "measure = 'flips': must be a measure: rig"),
+        (lambda: measured(measure=3), TypeError, "measure = 3: must be a measure"),
+        (lambda: measured(measure=[rigid.drift()] * 17), "at most 16 may be"),
+        (lambda: measured(measure=[rigid.flips(2)] * 2), "flips(2) is asked for 2 times"),
+        (lambda: rigid.mean_rate(4), "axis = 4"),
+        (lambda: rigid.flips(-2), "axis = -2"),
+        (lambda: rigid.largest_tilt(reference="up"), "reference = 'up': must be one of"),
+        (lambda: Measure("spin"), "name = 'spin': must be one of"),
+        (
+            lambda: of_free(rigid.largest_tilt(reference="vertical")),
+            "a free body knows no vertical",
+        ),
+        (
+            lambda: of_free(rigid.flips(1), method="exact"),
+            "method = 'exact': flips(1) is measured along steps",
+        ),
+        (lambda: of_free(rigid.largest_tilt(), DAMPED), "damping a map watches tilts from the ver"),
+        (
+            lambda: measured(samples=2).measures["drift"].quantile(1.5),
+            "q = 1.5: must lie in [0, 1]",
+        ),
+    ],
+    literal=True,
+)
 
 
 def test_a_rate_near_zero_that_moves_away_first_leaves_when_it_comes_back() -> None:

@@ -98,15 +98,12 @@ def test_files_need_the_function_again(tmp_path: Path) -> None:
     result = small_map(pendulum, axes=axes, **OPTIONS)
     path = result.save(tmp_path / "map.npz")
     bare = rigid.load_map(path)
-    assert_same_map(bare, result)
-    assert bare.spec == result.spec
     bare.plot()
     assert "pendulum" in bare.summary()
     for call in (lambda: bare.replay((0, 0), 0), lambda: rigid.stability_map(bare.spec)):
         with pytest.raises(ValueError, match="a file has no functions; give 'pendulum' again"):
             call()
     whole = rigid.load_map(path, scene=pendulum)
-    assert whole.replay((1, 2), 3).outcome == result.replay((1, 2), 3).outcome
     assert_same_map(rigid.stability_map(whole.spec, progress=False), result)
     with pytest.raises(ValueError, match="scene = damped: its source differs from 'pendulum'"):
         rigid.load_map(path, scene=damped)
@@ -130,14 +127,13 @@ def test_functions_without_a_file_are_told_apart_too() -> None:
 
 test_functions_that_make_no_scene = refuses(
     [
-        (lambda a, b: None, ValueError, "axes: the function '<lambda>' needs an axis 'b'"),
-        (lambda **kinds: None, ValueError, "must name its arguments, without **"),
-        (lambda *kinds: None, ValueError, "kinds must be an argument by name"),
-        (lambda c=1: None, ValueError, "axes: none is an argument of the function '<lambda>'"),
+        (lambda a, b: None, "axes: the function '<lambda>' needs an axis 'b'"),
+        (lambda **kinds: None, "must name its arguments, without **"),
+        (lambda *kinds: None, "kinds must be an argument by name"),
+        (lambda c=1: None, "axes: none is an argument of the function '<lambda>'"),
         (lambda a: 3, TypeError, "must return a rigid.FreeBody or rigid.HeavyTop, not 3"),
         (
             lambda a: rigid.FreeBody(rigid.Body(np.ones((5, 3)))),
-            ValueError,
             "must return bodies of shape (1,), one for each number it is given, got (5,)",
         ),
     ],

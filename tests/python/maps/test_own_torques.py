@@ -14,6 +14,7 @@ import pytest
 
 import rigid
 from interrupts import sigint
+from refusals import refuses
 from rigid.model.scene import Scene
 
 BODY = rigid.Body((1.0, 1.5, 2.0))
@@ -313,17 +314,6 @@ def test_a_stored_map_goes_on_with_its_scene_and_not_without(tmp_path: Path) -> 
     rigid.open_store(tmp_path / "run", scene=one_scene()).resume()
 
 
-def test_a_store_notices_another_function(tmp_path: Path) -> None:
-    @SIGNATURE  # type: ignore[untyped-decorator]
-    def another(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
-        for k in range(3):
-            torque[k] = -2.0 * data[0] * omega[k]
-
-    rigid.stability_map(one_scene(), **OF_ONE, store=tmp_path / "run", part="1/2")
-    with pytest.raises(ValueError):
-        rigid.stability_map(one_scene(function=another), **OF_ONE, store=tmp_path / "run")
-
-
 def test_other_processes_cannot_call_the_function() -> None:
     asked = {**OF_ONE, "threads": None}
     refused = pytest.raises(ValueError, match="which other processes cannot call")
@@ -331,18 +321,13 @@ def test_other_processes_cannot_call_the_function() -> None:
         rigid.stability_map(one_scene(), **asked, executor=executor)
 
 
-@pytest.mark.parametrize(
-    ("stable", "changed", "words"),
+test_what_a_map_under_a_function_cannot_do_is_refused = refuses(
     [
         (rigid.no_flip(), {"scene": damped_without_a_bound}, "step: is needed, because the rates"),
         (rigid.regular(), {}, "the derivative of a function is not known"),
         (rigid.no_flip(), {"method": "etd4"}, "does not integrate the torque of a function"),
     ],
-    ids=["no bound", "growth", "series"],
+    by=lambda stable, changed: rigid.stability_map(
+        **{"scene": damped_by_a_function, **ASKED, "stable": stable, **changed}
+    ),
 )
-def test_what_a_map_under_a_function_cannot_do_is_refused(
-    stable: Any, changed: Any, words: str
-) -> None:
-    asked = {"scene": damped_by_a_function, **ASKED, "stable": stable, **changed}
-    with pytest.raises(ValueError, match=words):
-        rigid.stability_map(asked.pop("scene"), **asked)

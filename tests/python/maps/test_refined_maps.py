@@ -176,18 +176,6 @@ def test_parts_and_sittings_spend_a_budget_alike(tmp_path: Path, refine: int | N
     assert_same_map(again, at_once)
 
 
-def test_parts_and_sittings_give_the_same_stages(
-    refined: rigid.StabilityMap, tmp_path: Path
-) -> None:
-    results: list[rigid.StabilityMap] = []
-    while not results or not results[-1].complete:
-        for part in ("2/2", "1/2"):
-            results.append(small_map(**GRID, refine=8, store=tmp_path / "run", part=part))
-        assert len(results) < 20
-    assert len(results) > 2
-    assert_same_map(results[-1], refined)
-
-
 def test_both_savings_together(full: rigid.StabilityMap) -> None:
     options = {**GRID, "samples": None, "half_width": 0.1}
     both = small_map(**options, refine=8)

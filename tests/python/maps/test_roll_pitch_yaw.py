@@ -8,12 +8,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import rigid
-from map_texts import FREE, TABLES, map_text
 from physics import Floats
 from planar_moons import MOMENTS, planar
 from refusals import refuses
-from rigid.cli.toml_map import parse_spec
-from rigid.maps.spec import MapSpec
 from rigid.rotations import quaternion_to_matrix
 from small_maps import small_map
 
@@ -246,24 +243,6 @@ def test_a_speed_that_rises_again_settles_for_the_last_time() -> None:
             assert t[last] - 1e-6 <= found[k] <= t[last + 1] + 1e-6
             kinds.add("settles")
     assert kinds == {"fast", "slow", "settles"}
-
-
-def test_criteria_and_measures_are_kept_and_read() -> None:
-    text = map_text(
-        scene=f"{FREE}\norbit = {{ rate = 1.0, eccentricity = 0.1 }}",
-        x='name = "eccentricity"\nvalues = [0.0, 0.1]',
-        stable='criterion = "yaw_within"\nangle = 1.5',
-        run=f"""{TABLES["run"]}
-            measure = ["largest_roll", {{ name = "time_to_settle", limit = 0.2, of = "pitch" }}]""",
-    )
-    spec = parse_spec(text, "x.toml")
-    low, _, high = np.argsort(spec.scene.body.moments) + 1
-    assert spec.stable == rigid.yaw_within(1.5, (int(low), int(high)))
-    assert [str(one) for one in spec.measure] == ["largest_roll", "time_to_settle(0.2, pitch)"]
-    assert MapSpec.from_json(spec.to_json()) == spec
-    assert spec.measure[1].words == "time from which on pitch stays within 0.2 rad"
-    # Files of other measures have no new keys.
-    assert rigid.flips(2).to_dict() == {"name": "flips", "axis": 2, "reference": None}
 
 
 test_what_no_map_can_watch = refuses(

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import rigid
+from rigid._energy_loss import mean_products
 from rigid.cli.toml_map import read_spec
 from rigid.maps.satellites import median_across, time_to_separatrix
 from rigid.maps.spec import MapSpec
 from rigid.maps.theory import predict
-from rigid.solve.energy_loss import mean_products
 from rigid.store.call import run_map
 from small_maps import spec_of
 

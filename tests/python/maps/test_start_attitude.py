@@ -12,7 +12,7 @@ import rigid
 from map_texts import FREE, map_text
 from physics import rotation_matrix
 from rigid.cli.toml_map import parse_spec
-from rigid.model.start import Noise
+from rigid.model.noise import Noise
 from small_maps import small_map
 
 TORQUE, SPIN, HORIZON = 1.0, 0.002, 0.04

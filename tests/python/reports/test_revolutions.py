@@ -54,6 +54,20 @@ def rows_at(result: rigid.Report, method: str, angle: float) -> tuple[rigid.Row,
 # Growth: what theory says
 
 
+def test_on_an_orbit_methods_are_compared_by_the_phase_where_no_drift_is_known() -> None:
+    """``rk4`` has the order 4 there too: half the step errs by a sixteenth."""
+    moon = rigid.FreeBody(rigid.Body((1.0, 1.2, 1.5)), orbit=rigid.Orbit(0.2, 0.2))
+    result = long(moon, OMEGA, [1, 2], ["rk4", "dop853", "taylor20"])
+    assert not result.refused
+    # In shorter steps rounding, in longer ones the next order would show.
+    coarse, fine = (rows_at(result, "rk4", angle)[-1].phase for angle in (0.25, 0.125))
+    assert coarse / fine == pytest.approx(16.0, rel=0.25)
+    text = str(result)
+    assert not re.search(r"\b(inf|nan|lost)\b", text)
+    assert re.search(r"^energy.*\nrk4 +\S+ +\S+ +- +-$", text, re.MULTILINE)
+    assert str(rigid.Report.from_json(result.to_json())) == text
+
+
 def test_the_energy_of_a_symplectic_method_stays_and_that_of_runge_kutta_goes(
     free: rigid.Report,
 ) -> None:
@@ -338,10 +352,7 @@ def test_an_interruption_before_the_first_run_leaves_nothing() -> None:
 
 test_mistakes_name_argument_value_and_rule = refuses(
     [
-        (
-            {"omega": (0.0, 0.0, 0.0)},
-            r"omega = \[0.0, 0.0, 0.0\]: must not be zero; a long",
-        ),
+        ({"omega": (0.0, 0.0, 0.0)}, r"omega = \[0.0, 0.0, 0.0\]: must not be zero; a long"),
         ({"revolutions": []}, "revolutions: expected shape .* with at least one number"),
         ({"revolutions": 10.0}, "revolutions: expected shape"),
         (
@@ -350,13 +361,11 @@ test_mistakes_name_argument_value_and_rule = refuses(
         ),
         ({"revolutions": [0]}, r"revolutions\[0\] = 0.0: must be above 0"),
         ({"revolutions": [1e10]}, r"revolutions\[0\] = 10000000000.0: must be above 0 and at most"),
-        ({"methods": ["rk5"]}, r"methods\[0\] = 'rk5'.*did you mean 'rk4'"),
         ({"methods": ["exact"]}, r"methods = \['exact'\]: none .*: exact: makes no steps"),
         (
             {"scene": LAGRANGE, "methods": ["dmv2"]},
             "none integrates the scene: dmv2: .*free bodies",
         ),
-        ({"seconds": 0.0}, "seconds = 0.0: must be positive"),
     ],
     by=lambda change: rigid.report(
         **{"scene": BODY, "omega": OMEGA, "revolutions": [10], "seconds": 0.1, **change}

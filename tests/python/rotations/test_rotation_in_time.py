@@ -78,6 +78,36 @@ def test_steps_of_the_magnus_series_have_order_6(frame: str) -> None:
     assert np.log2(errors[0] / errors[1]) == pytest.approx(6.0, abs=0.2)
 
 
+@pytest.mark.parametrize("frame", ["body", "space"])
+@pytest.mark.parametrize("uneven", [False, True])
+def test_attitudes_of_sampled_rates_have_order_4_within_their_error(
+    frame: str, uneven: bool
+) -> None:
+    """Of order 4 the third of the difference is five times the error of even samples."""
+    truth, errors = follow(frame, 5.0), []
+    for n in (41, 81, 161, 321):
+        gaps = np.where(uneven & (np.arange(n - 1) % 3 == 0), 2.0, 1.0)
+        t = 5.0 * np.concatenate([[0.0], np.cumsum(gaps) / gaps.sum()])
+        path = rotations.attitude_from_samples(prescribed(t), t, frame=frame, tolerance=1e-12)
+        errors.append(float(rotation_angle(path.attitude[-1], truth)))
+        assert errors[-1] <= path.error < 40.0 * errors[-1]
+    assert np.log2(errors[-2] / errors[-1]) > 3.7
+
+
+def test_sampled_rates_of_many_bodies_and_of_a_polynomial() -> None:
+    """A cubic is its own spline: only the steps have an error."""
+    t = np.array([0.0, 0.4, 0.5, 1.1, 1.7, 2.0])
+    cubic = np.stack([t**3 - t, 1.0 - t**2, 2.0 * t], axis=-1)
+    start = Rotation.from_euler("ZXZ", [[0.3, 1.1, -0.4], [2.0, 0.1, 1.0]])
+    both = rotations.attitude_from_samples(np.stack([cubic, 2.0 * cubic]), t, start)
+    assert both.attitude.shape == (2, 6, 4)
+    assert both.error <= 2e-10
+    one = rotations.attitude_from_omega(
+        lambda s: np.stack([s**3 - s, 1.0 - s**2, 2.0 * s], axis=-1), t, start[0]
+    )
+    assert rotation_angle(both.attitude[0], one.attitude).max() < 2e-10
+
+
 def test_many_bodies_and_no_interval() -> None:
     def two(times: Floats) -> Floats:
         return np.stack([prescribed(times), 2.0 * prescribed(times)])

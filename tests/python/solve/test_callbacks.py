@@ -181,8 +181,8 @@ def test_a_function_of_cffi() -> None:
 
 test_what_is_no_address_is_refused = refuses(
     [
-        (0, ValueError, "address = 0: must be the address of a function"),
-        (-4, ValueError, "address = -4: must be the address"),
+        (0, "address = 0: must be the address of a function"),
+        (-4, "address = -4: must be the address"),
         (1.5, TypeError, "address = 1.5: must be a function or the address of one, an int"),
         (True, TypeError, "address = True: must be a function or the address"),
         (
@@ -514,10 +514,7 @@ test_what_steps_under_a_function_cannot_do_is_refused = refuses(
             "'rk4': has no events, because a function is known inside the steps of 'dop853' alone",
         ),
         ({"method": "rk4"}, "step: is needed.*or leave the method out: dop853 chooses its steps"),
-        (
-            {"step": 0.1, "tangent": True},
-            "the derivative of a function is not known",
-        ),
+        ({"step": 0.1, "tangent": True}, "the derivative of a function is not known"),
     ],
     by=lambda asked: rigid.simulate(PAIRS["damping"][0], OMEGA, t=[1.0], **asked),
 )

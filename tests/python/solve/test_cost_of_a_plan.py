@@ -9,9 +9,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import rigid
+from rigid import _timing as timing
 from rigid import planning
 from rigid.maps.plan import shortened
-from rigid.solve import timing
 from small_maps import small_map
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))

@@ -10,6 +10,7 @@ import pytest
 import rigid
 from error_survey import final_error, survey
 from physics import EVERY_METHOD, Floats, Golden, golden, present, rotation_angle, tilted
+from refusals import refuses
 from rigid.solve.arrays import roots
 from rigid.solve.methods import series_methods
 
@@ -384,22 +385,20 @@ def test_a_smaller_tolerance_takes_more_steps_and_more_times_take_none() -> None
     assert often.omega[-1].tobytes() == fine.omega[-1].tobytes()
 
 
-@pytest.mark.parametrize("method", [None, "exact", "rk4", "splitting"])
-def test_only_series_choose_their_steps(method: str | None) -> None:
-    with pytest.raises(
-        ValueError, match=f"tolerance = 1e-09, method = {method!r}: only 'taylor12'"
-    ):
-        rigid.simulate(FREE, OMEGA, t=[1.0], method=method, tolerance=1e-9)
-
-
-@pytest.mark.parametrize("other", ["step", "accuracy"])
-def test_a_tolerance_excludes_a_step_and_an_accuracy(other: str) -> None:
-    options: dict[str, Any] = {other: 1e-3}
-    with pytest.raises(ValueError, match=f"{other} = 0.001: exclude each other"):
-        rigid.simulate(FREE, OMEGA, t=[1.0], method="taylor12", tolerance=1e-9, **options)
-
-
-@pytest.mark.parametrize("tolerance", [0.0, -1e-9, np.nan, np.inf, 1.0])
-def test_what_is_no_tolerance(tolerance: float) -> None:
-    with pytest.raises(ValueError, match=r"tolerance = .*must be"):
-        rigid.simulate(FREE, OMEGA, t=[1.0], method="taylor12", tolerance=tolerance)
+test_a_tolerance_and_what_it_goes_with = refuses(
+    [
+        *(
+            ({"method": method}, f"tolerance = 1e-09, method = {method!r}: only 'taylor12'")
+            for method in (None, "exact", "rk4", "splitting")
+        ),
+        *(({other: 1e-3}, f"{other} = 0.001: exclude each") for other in ("step", "accuracy")),
+        *(
+            ({"tolerance": one}, ["tolerance = ", "must be"])
+            for one in (0.0, -1e-9, np.nan, np.inf, 1.0)
+        ),
+    ],
+    literal=True,
+    by=lambda options: rigid.simulate(
+        FREE, OMEGA, t=[1.0], **{"method": "taylor12", "tolerance": 1e-9, **options}
+    ),
+)

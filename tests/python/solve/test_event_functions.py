@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 
 import rigid
 from physics import present
+from refusals import refuses
 from rigid.model import compiling
 
 pytestmark = pytest.mark.filterwarnings("ignore:event = ")
@@ -268,8 +269,7 @@ def spins(t: float, omega: Any, attitude: Any) -> float:
     return float(omega[2])
 
 
-@pytest.mark.parametrize(
-    ("make", "kind", "words"),
+test_what_no_function_can_be_is_refused = refuses(
     [
         (lambda: rigid.crosses(lambda t: t), TypeError, r"must take \(t, omega, attitude\), or"),
         (lambda: rigid.crosses(len, 1.0), TypeError, "must take"),
@@ -290,8 +290,3 @@ def spins(t: float, omega: Any, attitude: Any) -> float:
         ),
     ],
 )
-def test_what_no_function_can_be_is_refused(
-    make: Callable[[], object], kind: type[Exception], words: str
-) -> None:
-    with pytest.raises(kind, match=words):
-        make()

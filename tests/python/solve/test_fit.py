@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 import rigid
 from physics import Floats
+from refusals import refuses
 from rigid.solve.least_squares import minimum
 from rigid.solve.unknowns import Unknowns
 
@@ -179,8 +180,7 @@ def test_other_guesses_are_bodies_all_over_what_can_be(free: tuple[str, ...]) ->
     assert all((model.at(guess)[1] == START).all() for guess in guesses)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
+test_what_a_fit_refuses = refuses(
     [
         ({"free": "I4"}, r"free = 'I4': is no parameter of a free body \(known: I1"),
         ({"free": "mgl"}, "free = 'mgl': a free body has no weight"),
@@ -204,11 +204,10 @@ def test_other_guesses_are_bodies_all_over_what_can_be(free: tuple[str, ...]) ->
         ({"start": [1.0, 2.0]}, "start"),
         ({"t": [0.0], "omega": np.ones((1, 3)), "free": ("I1", "omega")}, "4 parameters, but 3"),
     ],
+    by=lambda options: rigid.fit(
+        BODY, **{"t": T, "omega": np.ones((150, 3)), "sigma": 0.1, "free": "I1", **options}
+    ),
 )
-def test_what_a_fit_refuses(options: dict[str, Any], message: str) -> None:
-    given: dict[str, Any] = {"t": T, "omega": np.ones((150, 3)), "sigma": 0.1, "free": "I1"}
-    with pytest.raises(ValueError, match=message):
-        rigid.fit(BODY, **{**given, **options})
 
 
 def test_damping_across_axes_is_not_fitted() -> None:
@@ -264,6 +263,24 @@ def test_a_fit_finds_the_numbers_of_every_force(force: str) -> None:
     assert not found.undetermined
     assert np.allclose(found.values, right, rtol=0.0, atol=1e-7)
     assert np.allclose([numbers_of_name(found.scene, name) for name in free], found.values)
+
+
+@pytest.mark.parametrize(
+    ("absent", "guess"), [("drag", 0.01), ("dissipation", rigid.EnergySink(0.01))]
+)
+def test_a_force_that_does_not_act_ends_within_its_error_of_zero(absent: str, guess: Any) -> None:
+    """Of four logs some ask for a negative coefficient: the fit ends at the bound, zero."""
+    scene: Any = rigid.FreeBody(BODY, damping=0.01, **{absent: guess})
+    ends = []
+    for seed in range(4):
+        rates = measured(rigid.FreeBody(BODY, damping=0.02), 0.01, seed)
+        found = rigid.fit(scene, T, omega=rates, sigma=0.01, free=(absent, "damping"), start=START)
+        assert found.success
+        # Four standard deviations of each number, of a parameter at its bound with those inside.
+        assert np.all(abs(found.values - [0.0, 0.02, 0.02, 0.02]) < 4.0 * found.std)
+        assert found.values[0] >= 0.0
+        ends.append(found.at_bounds)
+    assert any(f"{absent} is zero, the least that it can be" in words for words in ends)
 
 
 def numbers_of_name(scene: Any, name: str) -> float:

@@ -128,10 +128,6 @@ test_what_is_refused = refuses(
         (lambda: rigid.Torque.body(np.zeros((0, 3)), times=[]), "a table has at least two times"),
         (lambda: rigid.Torque.body([(0, 0, 1)] * 2, times=[0, 2]).at(np.nan), "t = nan: must be"),
         (
-            lambda: rigid.FreeBody(BOX, damping=[[1, 2, 0], [2, 1, 0], [0, 0, 1]]),
-            r"damping = \[\[1.0, 2.0, 0.0\].*so that damping cannot add energy",
-        ),
-        (
             lambda: rigid.plan(
                 rigid.FreeBody(BOX, torque=rigid.Torque.body([(0, 0, 1)] * 2, times=[0, 2])),
                 "attitude",
@@ -139,10 +135,6 @@ test_what_is_refused = refuses(
                 t_end=5.0,
             ),
             "t = 5: the table of the torque does not reach",
-        ),
-        (
-            lambda: rigid.free.cones(rigid.FreeBody(BOX, damping=1.0), [0.1, 0.2, 2.0]),
-            "damping 1: the free motion of scene.body needs a scene without damping;",
         ),
     ],
 )

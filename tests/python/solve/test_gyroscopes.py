@@ -179,21 +179,6 @@ def test_an_iteration_that_is_cut_short_says_so(monkeypatch: pytest.MonkeyPatch)
     assert found.evaluations == 1
 
 
-def test_a_motion_that_parts_too_far_for_derivatives_is_refused() -> None:
-    # Beside a rotation about the middle axis motions part by e^{t / sqrt(8)}: 1e308 after 2006 s.
-    turning = [0.0, 1.0, 0.0]
-    with pytest.raises(
-        ValueError, match="t, sigma: the derivatives of the motion over sigma overflow"
-    ):
-        rigid.fit(
-            rigid.Body(tuple(MOMENTS)),
-            [0.0, 1000.0, 3000.0],
-            omega=np.tile(turning, (3, 1)),
-            sigma=0.1,
-            free="omega",
-        )
-
-
 # Fits of few samples, across pauses and in a wrong unit of time: no alias passes for a success
 
 

@@ -238,6 +238,30 @@ def test_setting_one_body_changes_no_bit_of_the_others(
     assert np.any(motion.attitude[2] != alone.attitude[2])
 
 
+@pytest.mark.parametrize(
+    ("method", "forces"),
+    [("splitting4", {}), ("dop853", {}), ("dop853", {"orbit": rigid.Orbit(1.0, 0.3, 0.4)})],
+)
+def test_bodies_that_are_set_move_as_if_made_anew(method: str, forces: dict[str, Any]) -> None:
+    rng = np.random.default_rng(5)
+    moments = rng.uniform(1.0, 1.5, (70, 3))
+    moments[::3, 1] = moments[::3, 0]
+    scene = rigid.FreeBody(rigid.Body(moments), **forces)
+    motion = rigid.Motion(scene, rng.normal(size=(70, 3)), rng.normal(size=(70, 4)), method=method)
+    for _ in range(3):
+        motion.step(STEP)
+    kept, chosen = motion.copy(), rng.random(70) < 0.5
+    attitude = motion.attitude
+    motion.omega = np.where(chosen[:, np.newaxis], rng.normal(size=(70, 3)), motion.omega)
+    fresh = rigid.Motion(scene, motion.omega, attitude, t0=motion.t, method=method)
+    for one in (motion, kept, fresh):
+        one.step(STEP)
+    for name in ("omega", "attitude"):
+        found = getattr(motion, name)
+        np.testing.assert_array_equal(found[chosen], getattr(fresh, name)[chosen])
+        np.testing.assert_array_equal(found[~chosen], getattr(kept, name)[~chosen])
+
+
 def set_states(motion: rigid.Motion, **states: Any) -> None:
     for name, value in states.items():
         setattr(motion, name, value)

@@ -184,6 +184,18 @@ def test_growth_from_any_place_of_an_orbit_is_that_of_its_positions(
     np.testing.assert_allclose(found, exact, rtol=0.0, atol=1e-8)
 
 
+@pytest.mark.parametrize("count", [33, 65, 257])
+@pytest.mark.parametrize("orbit", [HYPERBOLA, ELLIPSE])
+def test_growth_under_a_table_errs_as_stated(orbit: rigid.Orbit, count: int) -> None:
+    found, exact = (
+        rigid.lyapunov(on(one), OMEGA, ATTITUDE, t=[2.0, 4.0, 8.0])
+        for one in (table_of(orbit, (0.0, 8.0), count), orbit)
+    )
+    off = np.abs(found.log_growth - exact.log_growth).max()
+    assert off <= found.error + exact.error
+    assert off > exact.error, "the spline errs more than the steps"
+
+
 @pytest.mark.parametrize("orbit", [HYPERBOLA, ELLIPSE])
 def test_places_and_frames_are_those_of_the_orbit(orbit: rigid.Orbit) -> None:
     table = table_of(orbit, (0.0, 8.0), 801)
@@ -236,6 +248,24 @@ def test_events_and_steps_know_the_table() -> None:
     np.testing.assert_allclose(motion.omega, run.omega[-1], rtol=0.0, atol=1e-8)
 
 
+@pytest.mark.parametrize("count", [257, 1025])
+@pytest.mark.parametrize("name", FLYBYS)
+def test_events_of_golden_flybys_by_a_table_err_as_stated(name: str, count: int) -> None:
+    """A rate has its golden value at the golden time."""
+    case = case_of(name)
+    times = [state["t"] for state in case["at"]]
+    exact = scene_of(case)
+    assert exact.orbit is not None
+    scene = rigid.FreeBody(exact.body, orbit=table_of(exact.orbit, (0.0, times[-1]), count))
+    for state in case["at"][:-1]:
+        events = [rigid.crosses(f"omega{k + 1}", state["omega"][k]) for k in range(3)]
+        run = rigid.simulate(scene, case["omega"], start_of(case), t=times[-1:], events=events)
+        for event in run.events:
+            off = np.abs(event.t - state["t"])
+            nearest = np.argmin(off)
+            assert off[nearest] <= event.error[nearest]
+
+
 def test_the_power_of_the_gradient_is_the_rate_of_the_energy() -> None:
     t = np.linspace(0.0, 8.0, 4001)
     run = rigid.simulate(on(table_of(HYPERBOLA, (0.0, 8.0), 129)), OMEGA, ATTITUDE, t=t)
@@ -246,25 +276,21 @@ def test_the_power_of_the_gradient_is_the_rate_of_the_energy() -> None:
 
 
 def test_samples_of_a_map_are_classified_as_their_runs() -> None:
-    result = rigid.stability_map(
-        on(table_of(HYPERBOLA, (0.0, 8.0), 33)),
-        axes={"omega3": [0.1, 0.3, 0.6]},
-        start=rigid.Start(omega=(0.3, 0.2, 0.5), attitude_noise=rigid.normal(0.5)),
-        stable=rigid.no_flip(1),
-        measure=rigid.largest_tilt(reference="vertical"),
-        samples=30,
-        t_end=8.0,
-        rng=1,
-    )
-    exact = rigid.stability_map(
-        on(HYPERBOLA, torque=rigid.Torque.body((0.0, 0.0, 0.0))),
-        axes={"omega3": [0.1, 0.3, 0.6]},
-        start=rigid.Start(omega=(0.3, 0.2, 0.5), attitude_noise=rigid.normal(0.5)),
-        stable=rigid.no_flip(1),
-        measure=rigid.largest_tilt(reference="vertical"),
-        samples=30,
-        t_end=8.0,
-        rng=1,
+    result, exact = (
+        rigid.stability_map(
+            scene,
+            axes={"omega3": [0.1, 0.3, 0.6]},
+            start=rigid.Start(omega=(0.3, 0.2, 0.5), attitude_noise=rigid.normal(0.5)),
+            stable=rigid.no_flip(1),
+            measure=rigid.largest_tilt(reference="vertical"),
+            samples=30,
+            t_end=8.0,
+            rng=1,
+        )
+        for scene in (
+            on(table_of(HYPERBOLA, (0.0, 8.0), 33)),
+            on(HYPERBOLA, torque=rigid.Torque.body((0.0, 0.0, 0.0))),
+        )
     )
     assert result.stable.sum() not in (0, 90)
     np.testing.assert_array_equal(result.stable, exact.stable)
@@ -286,6 +312,15 @@ def test_a_table_comes_back_from_files(tmp_path: Any) -> None:
 
 
 TABLE = table_of(HYPERBOLA, (0.0, 8.0), 17)
+
+
+@pytest.mark.parametrize("name", ["rate", "normal", "period", "numbers", "no_such_name"])
+def test_a_table_has_no_attributes_of_ellipses(name: str) -> None:
+    assert hasattr(TABLE, "gm")
+    assert not hasattr(TABLE, name)
+    assert getattr(TABLE, name, None) is None
+
+
 CIRCLE = np.stack([np.cos(np.arange(9.0)), np.sin(np.arange(9.0)), np.zeros(9)], axis=1)
 """Positions of a circle, 57 degrees apart."""
 
@@ -325,7 +360,6 @@ test_what_a_table_cannot = refuses(
             lambda: rigid.simulate(on(TABLE), OMEGA, t=[9.0]),
             "t = 9: the table of the orbit does not reach this time",
         ),
-        (lambda: rigid.simulate(on(TABLE), OMEGA, t=[1.0], tangent="rate"), "rate"),
         (lambda: TABLE.period, "OrbitTable.* has no rate"),
         (
             lambda: rigid.simulate(on(TABLE), OMEGA, t=[1.0], events=[rigid.crosses("roll", 0.1)]),
@@ -336,9 +370,5 @@ test_what_a_table_cannot = refuses(
         (lambda: small_map(stable=rigid.regular()), "not integrated under a table over time"),
         (lambda: small_map(t_end=9.0), "t = 9: the table of the orbit does not reach this time"),
         (lambda: small_map(time_unit="orbit"), "has no rate"),
-        (
-            lambda: rigid.simulate(on(TABLE), OMEGA, t=[1.0], method="splitting"),
-            "method = 'splitting': does not integrate",
-        ),
     ]
 )

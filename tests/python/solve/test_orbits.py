@@ -321,12 +321,6 @@ BAD: list[tuple[Any, ...]] = [
         "method = 'midpoint': does not integrate the gravity gradient of an orbit",
     ),
     (lambda: run_of("rotor", tangent="rate"), "tangent = 'rate': the scene has no orbit"),
-    (
-        lambda: rigid.lyapunov(
-            rigid.FreeBody(rigid.Body(MOMENTS), **FORCES["orbit"]), OMEGA, t=[9.0], of="rates"
-        ),
-        "of = 'rates': the rates do not see turns",
-    ),
 ]
 
 

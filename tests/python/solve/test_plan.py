@@ -524,10 +524,7 @@ def test_an_exact_map_is_refused_for_the_pixel_without_a_closed_form() -> None:
         ({"accuracy": 0.0}, "accuracy = 0.0: must be positive"),
         ({"accuracy": np.nan}, "accuracy = nan: must be finite"),
         ({"accuracy": 1e-6, "step": 0.1}, "accuracy = 1e-06, step = 0.1: exclude each other"),
-        (
-            {"accuracy": 1e-6, "t_end": 1.0},
-            "follows from the rates and the horizon; omega is",
-        ),
+        ({"accuracy": 1e-6, "t_end": 1.0}, "follows from the rates and the horizon; omega is"),
         ({"accuracy": 1e-6, "omega": RATES}, "t_end is missing"),
         ({"accuracy": 1e-15, "omega": RATES, "t_end": 1.0}, "1e-15: must be at least 6.0e-15"),
         ({"attitude": [1, 0, 0, 0]}, "attitude: says nothing without omega"),

@@ -391,12 +391,7 @@ def test_steps_one_by_one_are_those_of_a_run() -> None:
 
 @pytest.mark.parametrize(
     ("method", "words"),
-    [
-        (
-            "midpoint",
-            "does not integrate (a rotor|dissipation|drag|the gravity gradient)",
-        )
-    ],
+    [("midpoint", "does not integrate (a rotor|dissipation|drag|the gravity gradient)")],
 )
 def test_a_method_that_does_not_move_satellites_is_refused(method: str, words: str) -> None:
     for scene in SCENES.values():

@@ -1,5 +1,6 @@
 """States in arrays of the user, and in single precision."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -97,56 +98,63 @@ READ_ONLY = np.empty((40, 3, 3))
 READ_ONLY.flags.writeable = False
 
 
-@pytest.mark.parametrize(
-    ("options", "error", "words"),
+def asked(**options: Any) -> Callable[[], object]:
+    return lambda: rigid.simulate(FREE, OMEGA, t=TIMES, **options)
+
+
+def with_rate(rate: float) -> Callable[[], object]:
+    omega = [[0.0, 1.0, 0.0], [0.0, rate, 0.0]]
+    return lambda: rigid.simulate(FREE, omega, t=[0.0], dtype=np.float32)
+
+
+HUGE = rigid.Body((1e38, 2e38, 2.5e38))
+IN_PARTS = rigid.simulate_chunks
+
+test_refused = refuses(
     [
         (
-            {"record": ("axis", "rates")},
-            ValueError,
+            asked(record=("axis", "rates")),
             "record = ('axis', 'rates'): must be one of 'rates', 'axis', 'attitude', and 'energy'",
         ),
-        ({"record": ("energy", "energy")}, ValueError, "record = ('energy', 'energy'): must be"),
-        ({"record": ("power",)}, ValueError, "record = 'power': must be one of 'rates', "),
+        (asked(record=("energy", "energy")), "record = ('energy', 'energy'): must be"),
+        (asked(record=("power",)), "record = 'power': must be one of 'rates', "),
+        (asked(out={"energy": np.empty((40, 3))}), "out = 'energy': must be one of 'omega'"),
+        (asked(dtype=np.float16), "dtype = float16: must be float64 or float32"),
+        (asked(out={"omega": [0.0]}), TypeError, "out['omega'] = [0.0]: must be an array"),
+        (asked(out={"gamma": np.empty((40, 3, 3))}), "out = 'gamma': must be one of 'omega'"),
         (
-            {"out": {"energy": np.empty((40, 3))}},
-            ValueError,
-            "out = 'energy': must be one of 'omega'",
-        ),
-        ({"dtype": np.float16}, ValueError, "dtype = float16: must be float64 or float32"),
-        ({"out": {"omega": [0.0]}}, TypeError, "out['omega'] = [0.0]: must be an array"),
-        (
-            {"out": {"gamma": np.empty((40, 3, 3))}},
-            ValueError,
-            "out = 'gamma': must be one of 'omega'",
-        ),
-        (
-            {"out": {"omega": np.empty((40, 3))}},
-            ValueError,
+            asked(out={"omega": np.empty((40, 3))}),
             "out['omega']: must be writeable and C-contiguous, of shape (40, 3, 3) and float64",
         ),
-        ({"out": {"omega": np.empty((40, 3, 3), dtype=int)}}, ValueError, "out['omega']: must be"),
-        ({"out": {"omega": np.empty((40, 3, 6))[..., ::2]}}, ValueError, "out['omega']: must be"),
-        ({"out": {"omega": READ_ONLY}}, ValueError, "out['omega']: must be writeable"),
+        (asked(out={"omega": np.empty((40, 3, 3), dtype=int)}), "out['omega']: must be"),
+        (asked(out={"omega": np.empty((40, 3, 6))[..., ::2]}), "out['omega']: must be"),
+        (asked(out={"omega": READ_ONLY}), "out['omega']: must be writeable"),
+        (asked(dtype=np.float32, accuracy=1e-7), "accuracy = 1e-07: must be at least 1.2e-07 in"),
+        (with_rate(1e-31), "dtype = float32: the rates of body 1 reach 1.53e-31 rad"),
+        (with_rate(1e31), "dtype = float32: the rates of body 1 reach 1.53e+31 rad"),
         (
-            {"dtype": np.float32, "accuracy": 1e-7},
-            ValueError,
-            "accuracy = 1e-07: must be at least 1.2e-07 in float32",
+            lambda: rigid.simulate(
+                HUGE, [10.0, 0.0, 8.0], t=[0.0], record=("rates", "energy"), dtype=np.float32
+            ),
+            "dtype = float32: energy reaches 1.3e+40",
+        ),
+        (
+            lambda: rigid.simulate(TOP, OMEGA, t=TIMES, record=("rates", "energy")),
+            "the potential energy of a top needs its vertical",
+        ),
+        (
+            lambda: run(SCENES["free"], "rk4", "rates", None).rotation(),
+            "record = 'attitude' was not asked for",
+        ),
+        (lambda: IN_PARTS(FREE, OMEGA, t=TIMES, chunk=0), "chunk = 0: must be at least 1"),
+        (lambda: IN_PARTS(FREE, [[0.0, np.nan, 0.0]], t=TIMES), "omega[0, 1] = nan: must be fini"),
+        (
+            lambda: next(IN_PARTS(FREE, OMEGA_PARTS, t=[2.0, 1.0])),
+            "t[0] = 2.0 > t[1] = 1.0: times must be ascending",
         ),
     ],
+    literal=True,
 )
-def test_refused(options: dict[str, Any], error: type[Exception], words: str) -> None:
-    with pytest.raises(error) as caught:
-        rigid.simulate(FREE, OMEGA, t=TIMES, **options)
-    assert str(caught.value).startswith(words)
-
-
-@pytest.mark.parametrize("rate", [1e-31, 1e31])
-def test_rates_beyond_single_precision_are_refused(rate: float) -> None:
-    omega = [[0.0, 1.0, 0.0], [0.0, rate, 0.0]]
-    with pytest.raises(
-        ValueError, match=r"^dtype = float32: the rates of body 1 reach 1\.53e[+-]31 rad"
-    ):
-        rigid.simulate(FREE, omega, t=[0.0], dtype=np.float32)
 
 
 @pytest.mark.parametrize("array", [np.empty((1, 2, 3)), np.empty((1, 1, 3), dtype=int)])
@@ -240,11 +248,6 @@ def test_what_was_not_asked_for_is_not_there(method: rigid.Method, scene: Scene)
         assert gamma_of(attitude.attitude) == pytest.approx(axis.gamma, abs=1e-4)
 
 
-def test_no_rotation_without_attitude() -> None:
-    with pytest.raises(ValueError, match="record = 'attitude' was not asked for"):
-        run(SCENES["free"], "rk4", "rates", None).rotation()
-
-
 # Many bodies in parts are the bodies of one run
 
 
@@ -288,15 +291,6 @@ def test_a_part_is_computed_when_it_is_asked_for() -> None:
     assert next(rigid.simulate_chunks(FREE, omega, t=times, chunk=2)).omega.shape == (2, 10**5, 3)
     with pytest.raises(MemoryError, match="states of 1000000 bodies at 100000 times: "):
         rigid.simulate(FREE, omega, t=times)
-
-
-def test_parts_that_cannot_be_made_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"^chunk = 0: must be at least 1$"):
-        rigid.simulate_chunks(FREE, OMEGA_PARTS, t=TIMES, chunk=0)
-    with pytest.raises(ValueError, match=r"^omega\[0, 1\] = nan: must be finite$"):
-        rigid.simulate_chunks(FREE, [[0.0, np.nan, 0.0]], t=TIMES)
-    with pytest.raises(ValueError, match=r"^t\[0\] = 2.0 > t\[1\] = 1.0: times must be ascending$"):
-        next(rigid.simulate_chunks(FREE, OMEGA_PARTS, t=[2.0, 1.0]))
 
 
 @pytest.mark.parametrize(
@@ -365,19 +359,6 @@ def test_energy_ends_with_the_record_of_a_body() -> None:
     assert np.array_equal(np.isnan(run.energy()), ended)
 
 
-def test_energy_and_vertical_belong_together() -> None:
-    with pytest.raises(ValueError, match="the potential energy of a top needs its vertical"):
-        rigid.simulate(TOP, OMEGA, t=TIMES, record=("rates", "energy"))
-
-
-def test_energies_beyond_single_precision_are_refused() -> None:
-    heavy = rigid.Body((1e38, 2e38, 2.5e38))
-    with pytest.raises(ValueError, match=r"dtype = float32: energy reaches 1\.3e\+40"):
-        rigid.simulate(
-            heavy, [10.0, 0.0, 8.0], t=[0.0], record=("rates", "energy"), dtype=np.float32
-        )
-
-
 def test_parts_fill_one_memory_map(tmp_path: Path) -> None:
     """Arrays for all bodies, also on the disk, get the states of each part in its rows."""
     whole = rigid.simulate(FREE, OMEGA_PARTS, ATTITUDE, t=TIMES)
@@ -394,7 +375,6 @@ test_arrays_that_parts_cannot_fill = refuses(
         (3, TypeError, "out = 3: must be a dict of arrays by their names"),
         (
             {"omega": np.zeros((32, 3, 3))},
-            ValueError,
             "out['omega']: expected a row for each of 70 bodies, got shape (32, 3, 3)",
         ),
     ],

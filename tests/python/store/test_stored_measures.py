@@ -1,10 +1,7 @@
 """Running maps with measures: their logs hold bins, and every way of computing gives the same."""
 
 import io
-import json
 import tarfile
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +9,10 @@ import numpy as np
 import pytest
 
 import rigid
-from rigid.store import drive
 from rigid.store.log import Found, read_log
-from rigid.store.resume import carry_on
 from rigid.store.rows import BIN_ROW, Block, Table
 from rigid.store.running import Folder
-from small_maps import assert_same_map, saved_bytes, small_map
-from stores import stops_after
+from small_maps import saved_bytes, small_map
 
 MEASURED: dict[str, Any] = {
     "measure": (rigid.time_to_leave(), rigid.flips(1), rigid.mean_rate(-2), rigid.drift()),
@@ -59,12 +53,6 @@ def test_sittings_parts_and_merges_have_the_same_bytes(
     store = rigid.open_store(tmp_path / "1")
     assert not store.result().complete
     assert saved_bytes(store.resume(progress=False), tmp_path) == saved_bytes(quiet, tmp_path)
-
-
-def test_spawned_workers_return_bins(tmp_path: Path, quiet: rigid.StabilityMap) -> None:
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
-        result = measured(store=tmp_path / "run", executor=pool)
-    assert saved_bytes(result, tmp_path) == saved_bytes(quiet, tmp_path)
 
 
 def test_segments_of_a_pixel_are_merged(
@@ -127,7 +115,6 @@ def test_a_log_is_a_tar_file_of_rows_and_bins(run: Folder) -> None:
                 units.append(np.unique(bins["unit"]))
     assert len(units) == 9
     assert np.concatenate(units).tolist() == np.flatnonzero(run.table.known).tolist()
-    assert json.loads((run.path / "head.json").read_text())["format_version"] == 2
 
 
 def read(content: bytes, run: Folder) -> tuple[Table, Found]:
@@ -200,18 +187,3 @@ def test_another_value_is_refused_and_found(
     saved = quiet.save(tmp_path / "map.npz")
     assert not rigid.diff(saved, folder.path).same
     assert isinstance(run.table.block(np.array([3, 1])), Block)
-
-
-def test_sittings_go_on_with_their_bins(
-    tmp_path: Path, quiet: rigid.StabilityMap, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(drive, "GROWTH", 1)
-    folder = Folder.at(tmp_path / "run", quiet.spec)
-    sittings = 0
-    while carry_on(folder, threads=1, stop=stops_after(20), progress=False).reason != "complete":
-        folder = Folder(folder.path)
-        sittings += 1
-    assert sittings
-    result = rigid.open_store(folder.path).result()
-    assert_same_map(result, quiet)
-    assert saved_bytes(result, tmp_path) == saved_bytes(quiet, tmp_path)

@@ -192,12 +192,6 @@ test_the_bad_top_is_named = refuses(
             "a[9] = 0, b[9] = 0: the effective potential is constant",
         ),
         (
-            lambda: top.precession_spin_rates(
-                TOPS, np.where(np.arange(COUNT) == 3, 0.0, 1.0), a=1.0, b=2.0
-            ),
-            "tilt[3] = 0.0: is reached only if a = b",
-        ),
-        (
             lambda: top.turning_angles(
                 TOPS, a=A, b=B, E_prime=np.where(np.arange(COUNT) == 6, -99.0, 99.0)
             ),

@@ -27,7 +27,7 @@ fn map(is_top: bool, method: AnyMethod, criterion: Criterion, step: Option<f64>)
         },
         mixture: Vec::new(),
         conditions: vec![Condition { criterion, axis: -2 }],
-        logic: Logic::single(),
+        logic: Logic::parse("0", 1).unwrap(),
         measures: Vec::new(),
         t_end: 4.0,
         step,

@@ -12,7 +12,7 @@ use crate::tests::scene_of;
 use rigid::body::Body;
 use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
 use rigid::exact::{CanonicalForm, Evaluator, EvaluatorKind, ExitRows, StartRows, StateRows};
-use rigid::forces::Forces;
+use rigid::forces::{BodyForces, Forces};
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
@@ -175,7 +175,7 @@ fn load_lane(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled,
     let entry = Entry {
         axis: lane_start.observed_axis,
         deviation: Deviation::new([0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5]),
-        ..Entry::unobserved(&lane_start.body, None, lane_start.step)
+        ..Entry::unobserved(&lane_start.body, BodyForces::NONE, (0.0, None), None, lane_start.step)
     };
     load(group, lane, compiled, assignment, &entry);
 }

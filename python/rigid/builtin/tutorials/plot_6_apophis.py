@@ -9,7 +9,6 @@ the attitude in the passage, which is not known well: the answer is a distributi
 
 import matplotlib.pyplot as plt
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 import rigid
 from rigid.drawing.colours import HUES
@@ -23,7 +22,8 @@ from rigid.drawing.colours import HUES
 # ratios of the moments these periods determine energy and angular velocity. The mode is ``"SAM"``,
 # the short-axis mode. The unit of time is the hour here.
 body = rigid.Body((0.61, 0.965, 1.0))
-today = rigid.free.spin_state(body, precession=27.38, rotation=263.0, mode="SAM")
+periods = {"precession": 27.38, "rotation": 263.0, "mode": "SAM"}
+today = rigid.free.spin_state(body, **periods)
 print(f"energy over the least energy with this momentum: {float(today.energy):.3f}")
 # sphinx_gallery_start_ignore
 assert abs(float(today.energy) - 1.024) < 0.013
@@ -57,25 +57,23 @@ assert abs(float(flyby.eccentricity) - 4.254) < 0.001
 # -------------------
 #
 # The angular momentum points near the south pole of the ecliptic, here to the longitude 278° and
-# the latitude −86°. The phases of precession and oscillation in the passage are taken as unknown.
-# The free motion has a closed form, and its states at random times have random phases. The moments
-# are known to some percent: ``sample_bodies`` draws them too. Bodies with other moments have other
-# periods at the same angular velocity; the few that are in the long-axis mode before the passage
-# are left out below.
+# the latitude −86°. The phases of precession and rotation in the passage are taken as unknown: each
+# is uniform. The moments are known to some percent: ``sample_bodies`` draws them too. Bodies with
+# other moments have other periods at the same angular velocity; the few that are in the long-axis
+# mode before the passage are left out below.
 longitude, latitude = np.radians([278.0, -86.0])
 east, north = np.cos(longitude), np.sin(longitude)
 pole = np.array([np.cos(latitude) * east, np.cos(latitude) * north, np.sin(latitude)])
-upright, _ = Rotation.align_vectors(pole, np.array(body.moments) * today.omega)
-times = np.sort(np.random.default_rng(2029).uniform(0.0, 1e6, size=2000))
-free = rigid.simulate(body, today.omega, upright, t=times)
+phases = np.random.default_rng(2029).uniform(0.0, 2.0 * np.pi, size=(2000, 2))
+starts = rigid.free.spin_state(body, **periods, pole=pole, phases=phases)
 
 bodies = rigid.sample_bodies(
     rigid.FreeBody(body, orbit=flyby),
     vary={"I1": rigid.normal(0.03), "I2": rigid.normal(0.005)},
-    count=len(times),
+    count=len(phases),
     rng=2029,
 )
-run = rigid.simulate(bodies, free.omega, free.attitude, t=[0.0, 144.0])
+run = rigid.simulate(bodies, starts.omega, starts.attitude, t=[0.0, 144.0])
 print(f"largest estimated error: {run.error.max():.0e}")
 # sphinx_gallery_start_ignore
 assert run.error.max() < 1e-7

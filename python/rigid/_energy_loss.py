@@ -6,8 +6,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from .. import _core
-from .._checks.arrays import Floats
+from . import _core
+from ._checks.arrays import Floats
 
 
 def mean_loss(

@@ -1,4 +1,4 @@
-"""Values of one body, or of many bodies in one object: with leading axes.
+"""Values of one body, or of a batch of bodies in one object: with leading axes.
 
 The value of one body is a number or a tuple. The values of many bodies are a read-only array with
 the axes of the bodies first.
@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Floats = NDArray[np.float64]
+from .._checks.arrays import Floats
 
 Shape: TypeAlias = tuple[int, ...]
 Index: TypeAlias = Any
@@ -55,7 +55,7 @@ def axes_of(value: Any, width: int) -> Shape:
     return value.shape[: value.ndim - width] if isinstance(value, np.ndarray) else ()
 
 
-def leading_shape(shapes: Mapping[str, Shape]) -> Shape:
+def batch_shape(shapes: Mapping[str, Shape]) -> Shape:
     """The axes of the bodies whose parts have these leading axes.
 
     Raises
