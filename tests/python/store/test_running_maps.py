@@ -1,11 +1,9 @@
 """A running map has the bytes of the quiet run, however it was computed."""
 
-import hashlib
 import json
 import shutil
 import signal
 import subprocess
-import tempfile
 import time
 import tracemalloc
 from collections.abc import Callable
@@ -19,7 +17,7 @@ import numpy as np
 import pytest
 
 import rigid
-from processes import environment, python_command, python_process
+from processes import environment, python_command
 from rigid._checks.progress import heeding_signals
 from rigid.maps.axes import make_axes
 from rigid.maps.data import COLUMNS
@@ -43,40 +41,6 @@ def quiet() -> rigid.StabilityMap:
 def test_rows_are_the_columns_of_maps() -> None:
     assert ROW.names == ("unit", *FIELDS)
     assert tuple(column.name for column in COLUMNS if column.reproducible) == FIELDS
-
-
-@pytest.mark.parametrize("threads", [1, 7])
-def test_a_stored_map_has_the_bytes_of_an_unstored_one(
-    tmp_path: Path, quiet: rigid.StabilityMap, threads: int
-) -> None:
-    result = rigid.stability_map(**request(store=tmp_path / "run", threads=threads))
-    assert result.complete
-    assert saved_bytes(result, tmp_path) == saved_bytes(quiet, tmp_path)
-    assert result.receipt()["fingerprint"] == quiet.receipt()["fingerprint"]
-    assert np.isfinite(result.nanoseconds[result.status == 0]).all()
-
-
-def print_fingerprints() -> None:
-    """In a process of its own: the instruction set, and what stored maps come to."""
-    print(rigid.build_info()["isa"])
-    for options in (request(), request(method="rk4"), request(samples=None, half_width=0.2)):
-        with tempfile.TemporaryDirectory() as place:
-            result = rigid.stability_map(**options, store=Path(place, "run"))
-            print(
-                result.receipt()["fingerprint"],
-                hashlib.sha256(numbers(Path(place, "run"))).hexdigest(),
-            )
-
-
-def test_every_instruction_set_stores_the_same_bytes(quiet: rigid.StabilityMap) -> None:
-    output = {}
-    for isa in rigid.build_info()["isa_available"]:
-        code = "import test_running_maps; test_running_maps.print_fingerprints()"
-        used, *output[isa] = python_process(code, RIGID_ISA=isa).stdout.splitlines()
-        assert used == isa
-    for isa, lines in output.items():
-        assert quiet.receipt()["fingerprint"] in lines[0]
-        assert lines == output[used], isa
 
 
 def test_a_worker_makes_only_its_own_rows_of_the_grid() -> None:
