@@ -204,11 +204,16 @@ test_starts = refuses(
 )
 
 
-@pytest.mark.parametrize("law", [rigid.uniform, rigid.direction])
-def test_sizes_of_other_laws_are_those_of_a_normal_one(law: Callable[[Any], rigid.Noise]) -> None:
-    for table, given, *kind, words in BOTH:
-        if table == "start.noise":
-            assert words in refusal(lambda size=given["size"]: law(size), *kind or [ValueError])  # type: ignore[misc]
+test_sizes_of_other_laws_are_those_of_a_normal_one = refuses(
+    [
+        (law, given, *told)
+        for law in (rigid.uniform, rigid.direction)
+        for table, given, *told in BOTH
+        if table == "start.noise"
+    ],
+    literal=True,
+    by=lambda law, given: law(**given),
+)
 
 
 def test_kinds_of_noise() -> None:
