@@ -272,6 +272,10 @@ REFUSED: list[tuple[Any, ...]] = [
     ),
     (lambda: fixed_axis.bearing_forces(-2.0, [0, 0, 0], 1.0), "mass = -2.0: must not be negative"),
     (lambda: fixed_axis.balance_test(EYE, mass=0.0, com=[0, 0, 0]), "mass = 0.0: must be positive"),
+    (
+        lambda: fixed_axis.balance_test(EYE, mass=1.0, com=[0, 0, 0], rtol=-1e-9),
+        "rtol = -1e-09: must not be negative",
+    ),
 ]
 
 

@@ -25,6 +25,11 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "-1 -> +1",
     ): "the array has two axes",
     (
+        "model/measures.py",
+        "tilt_below(1.0, reference=self.reference).check_forced(scene, forces)",
+        "1.0 -> 2.0",
+    ): "the check of the forces does not look at the angle",
+    (
         "solve/tangent.py",
         "max_steps=10**9,",
         "10 -> 11",

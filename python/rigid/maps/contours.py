@@ -45,7 +45,9 @@ def zero_lines(x: ArrayLike, y: ArrayLike, field: ArrayLike) -> list[Floats]:
             )
     met: dict[int, list[int]] = {side: [] for side in places}
     squares = {side % (ny * nx) for side in places}
-    squares |= {square - 1 for square in squares} | {square - nx for square in squares}
+    # A line through a square crosses its left side or one of its two rows. The second row is the
+    # first one of the next square.
+    squares |= {square - nx for square in squares}
     for square in sorted(squares):
         j, i = divmod(square, nx)
         if j < 0 or i >= nx - 1 or j >= ny - 1:

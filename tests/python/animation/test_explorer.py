@@ -456,6 +456,22 @@ def test_regular_maps_show_tilt_and_rates_without_a_limit(tmp_path: Path) -> Non
     ]
 
 
+@pytest.mark.parametrize("eccentricity", [0.0, 0.1])
+def test_the_distance_of_the_planet_has_a_chart_where_it_changes(
+    eccentricity: float, tmp_path: Path
+) -> None:
+    result = rigid.stability_map(
+        rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), orbit=rigid.Orbit(0.5, eccentricity)),
+        axes={"spin": [1.0]},
+        samples=1,
+        t_end=1.0,
+        stable=rigid.librates(),
+        start=rigid.Start(spin=1.0, axis=3),
+    )
+    labels = [chart["label"] for chart in content(result.explore(tmp_path / "a.html"))["charts"]]
+    assert any("distance" in label for label in labels) == (eccentricity > 0.0)
+
+
 def test_lines_of_theory_are_fine_and_told_apart_by_dashes(tmp_path: Path) -> None:
     """Pitch is stable above I1 = I3, which the pixels would draw as a stair."""
     spec = read_spec("gravity-gradient").spec

@@ -63,6 +63,9 @@ def test_a_sheet_of_metal_is_a_flat_body() -> None:
     assert caught[0].filename == __file__
     first, second, third = body.moments
     assert first + second == third
+    # 0.0194 of 2.0194 are 0.961 %.
+    with pytest.warns(rigid.MomentsWarning, match=r"sum of the others by 0\.96 %$"):
+        rigid.Body((1.0, 1.0, 2.0194))
     with pytest.warns(rigid.MomentsWarning):
         rates = rigid.free.euler_rhs((21.88, 105.5, 127.4), [1.0, 1.0, 1.0])
     assert rates.tolist() == rigid.free.euler_rhs(body, [1.0, 1.0, 1.0]).tolist()

@@ -107,6 +107,13 @@ def test_the_separatrix_is_drawn_where_it_is() -> None:
     zero = math.atan(math.sqrt(1.0 * 0.5 / (2.0 * 0.5)))
     np.testing.assert_array_equal(field > 0.0, tilt < zero)
     np.testing.assert_array_equal(theory.share == 1.0, tilt < zero)
+    # omega = (w1, 0, 1): about axis 3 while I3 (I3 - I2) > I1 (I2 - I1) w1².
+    rates = np.linspace(0.01, 3.0, 301)
+    about_large = prediction(
+        axes={"omega1": rates}, start=rigid.Start(omega=(0.1, 0.0, 1.0)), stable=rigid.no_flip(3)
+    )
+    inside = 1.0 * 0.5 * rates**2 < 2.0 * 0.5
+    np.testing.assert_array_equal(curve(about_large, "separatrix") > 0.0, inside)
 
 
 def test_maps_without_noise_follow_the_separatrix_exactly() -> None:

@@ -71,6 +71,20 @@ def test_numbers_are_those_of_all_bodies() -> None:
     np.testing.assert_array_equal(quantiles, np.round(quantiles))
 
 
+def test_the_summary_tells_mean_range_and_unit_of_each_measure() -> None:
+    result = measured()
+    values = dict(zip(result.measures, each_body(result), strict=True))
+    lines = result.summary().splitlines()
+    for name, unit in (("flips(2)", ""), ("time_to_leave", " s"), ("mean_rate(1)", " rad/s")):
+        known = values[name][~np.isnan(values[name])]
+        numbers = (
+            f"mean {known.mean():.4g}{unit}, from {known.min():.4g} to {known.max():.4g}{unit}"
+        )
+        (told,) = (line for line in lines if f"{name}: mean" in line)
+        assert f"{name}: {numbers}, " in told
+        assert f"of {known.size} bodies" in told
+
+
 def test_percentiles_of_a_hundred_bodies_are_their_values_in_order() -> None:
     """In doubles 0.07, 0.14, 0.28, 0.55 times 100 are a little more than whole numbers."""
     result = measured(samples=100, measure=rigid.mean_rate(1), axes={"spin": [2.0]})

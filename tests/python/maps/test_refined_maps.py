@@ -63,6 +63,30 @@ def test_the_first_stage_is_a_coarse_grid(refined: rigid.StabilityMap) -> None:
     assert sorted(np.unique(refined.stage)) == [0, 1, 2, 3, LEFT_OUT]
 
 
+def test_the_second_stage_halves_cells_that_differ_and_their_neighbours(
+    full: rigid.StabilityMap, refined: rigid.StabilityMap
+) -> None:
+    lower, upper = np.nan_to_num(full.lower, nan=-1.0), np.nan_to_num(full.upper, nan=2.0)
+    cells = [(row, column) for row in range(0, 64, 8) for column in range(0, 120, 8)]
+    differ = set()
+    for row, column in cells:
+        corners = np.ix_([row, row + 8], [column, column + 8])
+        differs = lower[corners].max() > upper[corners].min()
+        if differs or np.ptp(full.status[corners].astype(int)):
+            differ.add((row, column))
+    split = {
+        (row, column)
+        for row, column in cells
+        if any((row + 8 * i, column + 8 * j) in differ for i in (-1, 0, 1) for j in (-1, 0, 1))
+    }
+    assert len(differ) < len(split) < len(cells)
+    second = np.zeros(refined.spec.shape, np.bool_)
+    for row, column in split:
+        second[row : row + 9 : 4, column : column + 9 : 4] = True
+    second[::8, ::8] = False
+    np.testing.assert_array_equal(refined.stage == 1, second)
+
+
 def test_cells_cover_the_grid_and_those_that_are_split_differ(refined: rigid.StabilityMap) -> None:
     covered = np.zeros(refined.spec.shape, np.int64)
     for top, bottom, left, right in refined.cells:

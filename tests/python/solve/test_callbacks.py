@@ -140,6 +140,22 @@ def test_each_body_has_data_of_its_own() -> None:
         assert np.abs(one.omega - twin.omega).max() < 1e-9
 
 
+def test_a_file_has_the_data_and_the_states_of_a_function() -> None:
+    with_states = ctypes.CFUNCTYPE(None, ctypes.c_double, *[DOUBLES] * 7)
+    for data, count in ((None, 0), ([1.0, 2.0], 0), ([[1.0], [3.0]], 2)):
+        called = (with_states if count else SIGNATURE)(nothing)
+        torque = rigid.Torque.call(called, data, fastest=3.0, states=count)
+        again = rigid.Torque.from_dict(torque.to_dict())
+        assert torque.function is not None
+        assert again.function is not None
+        for one, other in (
+            (torque.function.data, again.function.data),
+            (torque.function.start, again.function.start),
+        ):
+            np.testing.assert_array_equal(one, other)
+        assert again.function.fastest == 3.0
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_a_torque_that_is_not_written_ends_the_body(method: str) -> None:
     scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(nothing))

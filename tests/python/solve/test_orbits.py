@@ -83,9 +83,11 @@ def test_frames_of_many_orbits() -> None:
     places, frames = orbit.position(t), orbit.frame(t)
     assert places.shape == (4, 4, 3)
     assert frames.shape == (4, 4, 3, 3)
+    each = orbit.position(np.tile(t, (4, 1)) + np.arange(4.0)[:, np.newaxis])
     for k in range(4):
         own = rigid.Orbit(rates[k], eccentricities[k], 1.0, unit[0][k], unit[1][k])
         np.testing.assert_array_equal(own.position(t), places[k])
+        np.testing.assert_array_equal(own.position(t + k), each[k])
         np.testing.assert_array_equal(own.frame(0.3), frames[k, 2])
         for place, time in zip(places[k], t, strict=True):
             # The mean anomaly is rounded, here and there.
