@@ -177,6 +177,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "model/compiling.py": ("solve/test_callbacks.py",),
     "model/criteria.py": ("maps/test_criteria.py", "maps/test_map_bad_input.py"),
     "model/criterion.py": ("maps/test_criteria.py", "maps/test_mixtures.py"),
+    "model/damping.py": ("solve/test_torque_and_damping.py", "solve/test_many_bodies.py"),
     "model/digest.py": ("maps/test_captured.py",),
     "model/events.py": ("solve/test_event_quantities.py", "solve/test_events.py"),
     "model/frame.py": ("solve/test_axes_of_a_drawing.py",),

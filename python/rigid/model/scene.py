@@ -33,6 +33,7 @@ from .batch import (
     vector_of,
 )
 from .body import Body, check_body, pair_hint, require_one
+from .damping import Damping, checked_damping, damping_words, matrices_of
 from .forces import FORCES, EnergySink, Force, forces_in_words
 from .frame import checked_frame, turned, turned_matrix
 from .function import NO_STATES
@@ -41,15 +42,7 @@ from .noise import normal
 from .orbit import Orbit
 from .sampled import RotorTable, Sampled
 from .start import Start
-from .torque import (
-    Damping,
-    Torque,
-    checked_damping,
-    checked_torque,
-    damping_words,
-    forces_of,
-    matrices_of,
-)
+from .torque import Torque, checked_torque, forces_of
 
 if TYPE_CHECKING:
     from ..inertia.mass_properties import MassProperties

@@ -1,4 +1,4 @@
-"""Applied torque and damping of a body, and all forces as the core reads them."""
+"""Applied torques, and all forces on bodies as the core reads them."""
 
 from __future__ import annotations
 
@@ -6,23 +6,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import prod
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, first_place, numbers, shaped, sorted_times
-from .batch import ByValue, Index, Shape, axes_of, batch_shape, frozen, taken
+from .._checks.arguments import brief, shaped, sorted_times
+from .._checks.arrays import Floats
+from .batch import ByValue, Index, Shape, Vector, axes_of, batch_shape, frozen, taken
 from .forces import FORCES
 from .frame import turned
 from .function import NO_STATES, TorqueFunction
 from .sampled import Sampled, linear, on_piece
-
-Floats = NDArray[np.float64]
-Vector: TypeAlias = tuple[float, float, float]
-Damping: TypeAlias = tuple[Vector, Vector, Vector] | Floats
-"""The damping matrix of one body, or of many with shape (..., 3, 3)."""
 
 NO_EXPONENT: NDArray[np.intc] = np.zeros(1, dtype=np.intc)
 
@@ -452,117 +448,10 @@ def checked_torque(torque: object) -> Torque | None:
     )
 
 
-def checked_damping(damping: ArrayLike, shape: Shape = ()) -> Damping | None:
-    """The matrices of a damping given by coefficients or matrices; None if all are zero.
-
-    ``shape`` has the axes of the bodies that the damping is for.
-
-    Raises
-    ------
-    ValueError
-        If it has another shape, is not finite, not symmetric, or would add energy.
-    """
-    array = numbers("damping", damping)
-    width = _components(array.shape, shape)
-    finite = np.isfinite(array)
-    if not finite.all():
-        raise ValueError(f"{_whose(array, finite, width)}: must be finite")
-    if width < 2:
-        if np.any(array < 0.0):
-            raise ValueError(f"{_whose(array, array >= 0.0, width)}: must not be negative")
-        axes = array if width else array[..., np.newaxis]
-        array = axes[..., np.newaxis] * np.eye(3)
-    turned = np.swapaxes(array, -1, -2)
-    size = np.abs(array).max(axis=(-2, -1), keepdims=True, initial=0.0)
-    symmetric = np.abs(array - turned) <= 1e-12 * size
-    if not symmetric.all():
-        raise ValueError(f"{_whose(array, symmetric, 2)}: must be a symmetric matrix")
-    if not size.any():
-        return None
-    # As a difference: the sum of two huge entries could overflow.
-    matrices = array + 0.5 * (turned - array)
-    _check_adds_no_energy(matrices)
-    if shape and matrices.size == 9:
-        matrices = matrices.reshape(3, 3)
-    return matrices_of(matrices)
-
-
-def matrices_of(matrices: ArrayLike) -> Damping:
-    """A damping matrix as tuples, the matrices of many bodies as an array."""
-    array = np.asarray(matrices)
-    if array.ndim > 2:
-        return frozen(array)
-    first, second, third = _rows(array)
-    return first, second, third
-
-
-def _components(given: Shape, shape: Shape) -> int:
-    """How many of the last axes of a damping are the axes of one body."""
-
-    def fits(width: int) -> bool:
-        if given[len(given) - width :] != (3,) * width or width > len(given):
-            return False
-        if not shape:
-            return True
-        try:
-            return np.broadcast_shapes(given[: len(given) - width], shape) == shape
-        except ValueError:
-            return False
-
-    ways = [width for width in (2, 1, 0) if fits(width)]
-    if not ways:
-        raise ValueError(
-            f"damping: expected shape (), (3,) or (3, 3) after the axes {shape} of the bodies, "
-            f"got {given}"
-        )
-    if len(ways) > 1 and shape:
-        raise ValueError(
-            f"damping: shape {given} can be read in two ways for bodies of shape {shape}; write "
-            f"{(*shape, 3, 3)} for a matrix of each, {(*(1,) * len(shape), 3)} for three "
-            f"coefficients and {(*(1,) * len(shape), 3, 3)} for a matrix of all"
-        )
-    return ways[0]
-
-
-def _whose(array: Floats, good: NDArray[np.bool_], width: int) -> str:
-    """The damping of the first body that is bad, as a message names it."""
-    good = np.asarray(good.all(axis=tuple(range(good.ndim - width, good.ndim))))
-    index, place = first_place(~good)
-    return f"damping{place} = {array[index].tolist()}"
-
-
-def _check_adds_no_energy(matrices: Floats) -> None:
-    """Raise ValueError for a matrix that is not positive semi-definite."""
-    try:
-        forces_of(None, matrices, matrices.shape[:-2])
-    except ValueError as error:
-        for index in np.ndindex(matrices.shape[:-2]):
-            place = str(list(index)) if index else ""
-            try:
-                forces_of(None, matrices[index])
-            except ValueError as own:
-                raise ValueError(str(own).replace("damping", f"damping{place}", 1)) from None
-        raise error from None
-
-
-def damping_words(damping: Damping) -> str:
-    """The damping in a few words."""
-    matrix = np.array(damping)
-    if matrix.ndim > 2:
-        return "damping of each"
-    diagonal = np.diag(matrix)
-    if np.any(matrix - np.diag(diagonal)):
-        rows = ", ".join(f"({', '.join(f'{part:g}' for part in row)})" for row in matrix)
-        return f"damping ({rows})"
-    if np.all(diagonal == diagonal[0]):
-        return f"damping {diagonal[0]:g}"
-    return f"damping ({', '.join(f'{part:g}' for part in diagonal)})"
-
-
 @np.errstate(over="ignore")
 def forces_of(
     torque: Torque | None,
-    damping: Damping | None,
+    damping: ArrayLike | None,
     shape: Shape = (),
     exponents: NDArray[np.intc] = NO_EXPONENT,
     further: Mapping[str, ArrayLike | Sampled] = MappingProxyType({}),
