@@ -106,7 +106,7 @@ def content_of_numbers(data: MapData, samples: range, pixel: int | None = None) 
     ``columns`` tells which of the numbers of the pixel are replaced.
     """
     spec = data.spec
-    if spec.is_called or not spec.vary:
+    if spec.is_called or not spec.vary or spec.grid.scene.has_table:
         return {}
     pixels = np.arange(data.status.size) if pixel is None else np.array([pixel])
     flat = (pixels[:, np.newaxis] * spec.samples + np.array(samples)).ravel()

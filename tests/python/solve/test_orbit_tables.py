@@ -343,8 +343,24 @@ def made(t: ArrayLike, positions: ArrayLike = CIRCLE, gm: float = 1.0) -> rigid.
     return rigid.Orbit.table(t, positions, gm)
 
 
+def falls(t: float, omega: Any, attitude: Any, data: Any, torque: Any, orbit_position: Any) -> None:
+    torque[0] = orbit_position[0]
+
+
+def distance(t: float, omega: Any, attitude: Any, orbit_position: Any) -> float:
+    return float(orbit_position[0])
+
+
 test_what_a_table_cannot = refuses(
     [
+        (
+            lambda: rigid.simulate(on(TABLE, torque=rigid.Torque.call(falls)), OMEGA, t=[1.0]),
+            "orbit_position: the function takes it, but functions are not told the positions of",
+        ),
+        (
+            lambda: rigid.simulate(on(TABLE), OMEGA, t=[1.0], until=rigid.crosses(distance, 0.5)),
+            r"orbit_position: distance\(\) takes it, but functions are not told the positions of",
+        ),
         (
             lambda: made(np.arange(8.0), CIRCLE[:8]),
             "orbit: expected shape .9 or more, 3., got .8, 3.",
