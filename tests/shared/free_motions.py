@@ -37,3 +37,18 @@ def tops_at_random(
         **acting,
     )
     return scene, random.normal(size=(count, 3)), random.normal(size=(count, 4))
+
+
+def _slow_down(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+    for k in range(3):
+        torque[k] = -0.5 * omega[k]
+
+
+def slowing_ball(force: str, fastest: float | None = None) -> rigid.FreeBody:
+    """A ball that slows as exp(-D t / I), or under drag as 1 / (1 + C w t / I)."""
+    forces: dict[str, dict[str, Any]] = {
+        "damping": {"damping": 0.5},
+        "drag": {"drag": 0.5},
+        "callback": {"torque": rigid.Torque.call(_slow_down, fastest=fastest)},
+    }
+    return rigid.FreeBody(rigid.Body((2.0, 2.0, 2.0)), **forces[force])

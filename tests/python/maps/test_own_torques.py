@@ -4,7 +4,6 @@ Damping and a torque in space have built-in twins, which a Taylor series classif
 """
 
 import ctypes
-import signal
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,6 @@ import numpy as np
 import pytest
 
 import rigid
-from interrupts import sigint
 from refusals import refuses
 from rigid.model.scene import Scene
 
@@ -254,26 +252,6 @@ def test_the_numbers_of_a_map_do_not_depend_on_threads_or_blocks() -> None:
     asked = {**ASKED, "stable": rigid.no_flip(axis=1)}
     one = rigid.stability_map(damped_by_a_function, **{**asked, "threads": 2})
     assert rigid.diff(one, rigid.stability_map(damped_by_a_function, **asked)).same
-
-
-def test_ctrl_c_within_a_function_of_python_ends_a_map() -> None:
-    calls = 0
-
-    @SIGNATURE  # type: ignore[untyped-decorator]
-    def interrupted(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
-        nonlocal calls
-        calls += 1
-        if calls == 100:
-            signal.raise_signal(signal.SIGINT)
-        torque[0] = torque[1] = torque[2] = 0.0
-
-    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(interrupted))
-    asked: dict[str, Any] = {"axes": {"spin": [1.0]}, "samples": 1, "t_end": 1e3, "rng": 1}
-    with sigint(signal.default_int_handler), pytest.raises(KeyboardInterrupt):
-        rigid.stability_map(
-            scene, **asked, stable=rigid.no_flip(axis=1), method="rk4", step=1e-6, check=0.0
-        )
-    assert calls < 10**8
 
 
 # One scene for all pixels, which a file does not have

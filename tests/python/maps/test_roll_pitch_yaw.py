@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import rigid
+from free_motions import slowing_ball
 from physics import Floats
 from planar_moons import MOMENTS, planar
 from refusals import refuses
@@ -175,21 +176,10 @@ def test_pitch_of_a_motion_in_the_plane_is_its_libration(e: float) -> None:
 
 @pytest.mark.parametrize("force", ["damping", "drag", "callback"])
 def test_a_damped_body_settles_when_its_closed_form_is_slow(force: str) -> None:
-    """A ball slows as exp(-D t / I), under drag as 1 / (1 + C w t / I); each speed is drawn."""
-
-    def torque(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
-        for k in range(3):
-            torque[k] = -0.5 * omega[k]
-
-    every: dict[str, dict[str, Any]] = {
-        "damping": {"damping": 0.5},
-        "drag": {"drag": 0.5},
-        "callback": {"torque": rigid.Torque.call(torque, fastest=3.0)},
-    }
-    forces = every[force]
+    """Each speed is drawn."""
     slow, count = 0.1, 40
     result = small_map(
-        rigid.FreeBody(rigid.Body((2.0, 2.0, 2.0)), **forces),
+        slowing_ball(force, fastest=3.0),
         axes={"t_end": [40.0]},
         start=rigid.Start(omega=(0.0, 0.0, 0.4), noise=rigid.normal(0.4)),
         stable=~rigid.spin_above(slow),

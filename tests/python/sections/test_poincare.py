@@ -33,11 +33,14 @@ def l_gamma(top: rigid.HeavyTop, points: rigid.Crossings) -> Floats:
     return np.asarray(np.sum(np.array(top.body.moments) * points.omega * points.gamma, axis=1))
 
 
+def points_of(known: Sectioned, **options: Any) -> rigid.Crossings:
+    start = known.omega0, known.attitude0
+    return rigid.poincare(known.scene, *start, known.section, t_end=known.t_end, **options)
+
+
 @pytest.mark.parametrize("known", SECTIONED, ids=lambda known: known.name)
 def test_every_point_of_26_digits_and_no_other(known: Sectioned) -> None:
-    found = rigid.poincare(
-        known.scene, known.omega0, known.attitude0, known.section, t_end=known.t_end
-    )
+    found = points_of(known)
     assert len(found) == len(known.t)
     # What limits a point is not the section but the motion, which magnifies the rounding of its
     # start and of its steps by its condition: up to 2e6 = exp(lambda t) of the chaotic one, up to
@@ -73,16 +76,7 @@ def test_every_point_of_26_digits_and_no_other(known: Sectioned) -> None:
 @pytest.mark.parametrize("method", SERIES)
 @pytest.mark.parametrize("known", SECTIONED, ids=lambda known: known.name)
 def test_every_series_finds_the_same_points(known: Sectioned, method: str) -> None:
-    found = rigid.poincare(
-        known.scene,
-        known.omega0,
-        known.attitude0,
-        known.section,
-        t_end=known.t_end,
-        method=method,
-        tolerance=1e-14,
-        check=False,
-    )
+    found = points_of(known, method=method, tolerance=1e-14, check=False)
     assert len(found) == len(known.t)
     # A tolerance of 1e-14, magnified up to 2e6 times.
     np.testing.assert_allclose(found.t, known.t, rtol=0.0, atol=2e-8)
@@ -90,14 +84,7 @@ def test_every_series_finds_the_same_points(known: Sectioned, method: str) -> No
 
 def test_a_longer_tolerance_misses_no_close_pair() -> None:
     known = next(known for known in SECTIONED if known.name == "section-close-pairs")
-    found = rigid.poincare(
-        known.scene,
-        known.omega0,
-        known.attitude0,
-        known.section,
-        t_end=known.t_end,
-        tolerance=1e-10,
-    )
+    found = points_of(known, tolerance=1e-10)
     assert np.diff(found.t)[0] == pytest.approx(5.7673e-3, rel=1e-3)
     assert len(found) == 4
 

@@ -299,7 +299,26 @@ def test_a_sliding_torque_reaches_the_limit_and_names_a_dead_zone() -> None:
     assert abs(settled.omega[1, 2]) < 1e-3
 
 
-def test_ctrl_c_within_a_function_of_python_ends_the_run() -> None:
+CALLS: dict[str, Callable[[rigid.FreeBody], object]] = {
+    "a run": lambda scene: rigid.simulate(
+        scene, OMEGA, t=[1.0], method="rk4", step=1e-6, check=False
+    ),
+    "a map": lambda scene: rigid.stability_map(
+        scene,
+        axes={"spin": [1.0]},
+        samples=1,
+        t_end=1e3,
+        rng=1,
+        stable=rigid.no_flip(axis=1),
+        method="rk4",
+        step=1e-6,
+        check=0.0,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_ctrl_c_within_a_function_of_python_ends_its_call(name: str) -> None:
     # ctypes ignores what a callback raises: the handler of the signal must not run in it.
     calls = 0
 
@@ -313,7 +332,7 @@ def test_ctrl_c_within_a_function_of_python_ends_the_run() -> None:
 
     scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(interrupted))
     with sigint(signal.default_int_handler), pytest.raises(KeyboardInterrupt):
-        rigid.simulate(scene, OMEGA, t=[1.0], method="rk4", step=1e-6, check=False)
+        CALLS[name](scene)
     assert calls < 4 * 10**6
 
 

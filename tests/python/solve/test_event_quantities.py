@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import rigid
+from free_motions import slowing_ball
 from physics import METHODS, Floats
 from printed_equations import solved
 
@@ -177,21 +178,9 @@ def test_a_component_of_the_momentum_that_touches_its_value(
 
 @pytest.mark.parametrize("way", ["damping", "drag", "callback"])
 def test_a_run_ends_when_the_body_is_slow(way: str) -> None:
-    """A ball slows as exp(-D t / I), under drag as 1 / (1 + C w t / I)."""
     rates = np.array([[0.3, -0.2, 0.9], [2.0, 1.0, -0.5], [0.05, 0.0, 0.0]])
     speed, slow = np.linalg.norm(rates, axis=1), 0.1
-
-    def torque(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
-        for k in range(3):
-            torque[k] = -0.5 * omega[k]
-
-    every: dict[str, dict[str, Any]] = {
-        "damping": {"damping": 0.5},
-        "drag": {"drag": 0.5},
-        "callback": {"torque": rigid.Torque.call(torque)},
-    }
-    forces = every[way]
-    ball = rigid.FreeBody(rigid.Body((2.0, 2.0, 2.0)), **forces)
+    ball = slowing_ball(way)
     with np.errstate(invalid="ignore"):
         expected = 4.0 * (1.0 / slow - 1.0 / speed) if way == "drag" else 4.0 * np.log(speed / slow)
     run = rigid.simulate(ball, rates, t=[0.0, 200.0], until=rigid.crosses("speed", slow, -1))

@@ -26,21 +26,16 @@ ATTITUDE = [0.9, 0.3, 0.2, 0.1]
 # --- Data ----------------------------------------------------------------------------------------
 
 
+def grown(case: Deviating, **options: Any) -> rigid.Growth:
+    return rigid.lyapunov(case.scene, case.omega, case.attitude, **options)
+
+
 @pytest.mark.parametrize("of", ["rates", "attitude"])
 @pytest.mark.parametrize("case", DEVIATING, ids=lambda case: case.name)
 def test_growth_of_26_digits(case: Deviating, of: str) -> None:
     """As exact as the matrices: rounding of the start costs the square of the growth."""
     true = case.growth[of]
-    found = rigid.lyapunov(
-        case.scene,
-        case.omega,
-        case.attitude,
-        t=case.t,
-        of=of,
-        exponents=4,
-        start=case.tangents,
-        check=False,
-    )
+    found = grown(case, t=case.t, of=of, exponents=4, start=case.tangents, check=False)
     sizes = np.linalg.norm(case.scaled(case.matrices), 2, axis=(1, 2))
     allowed = 3.0 * np.maximum(1e-13, 3e-14 * sizes.max() ** 2 / sizes)
     assert (np.abs(found.log_growth - true["log_growth"]) < allowed).all()
@@ -57,9 +52,7 @@ def test_the_error_of_growth_covers_the_truth_of_26_digits() -> None:
     for case in DEVIATING:
         times = case.t[case.t > 0.0]
         for of in ("rates", "attitude"):
-            found = rigid.lyapunov(
-                case.scene, case.omega, case.attitude, t=times, of=of, start=case.tangents[0]
-            )
+            found = grown(case, t=times, of=of, start=case.tangents[0])
             true = case.growth[of]["log_growth"][case.t > 0.0]
             ratios.append(np.abs(found.log_growth - true).max() / float(found.error))
     # The start as doubles differs from that of 26 digits by rounding, which both runs share.
@@ -91,16 +84,7 @@ def test_the_spectrum_is_that_of_a_decomposition_in_26_digits(case: Deviating) -
     """``ln`` of the diagonal of R of the whole matrix, however often it is made orthogonal."""
     unit = np.diag([case.rate_scale] * 3 + [1.0] * 3)
     for of, count in (("attitude", 6), ("rates", 3)):
-        found = rigid.lyapunov(
-            case.scene,
-            case.omega,
-            case.attitude,
-            t=case.t,
-            of=of,
-            exponents=count,
-            start=unit[:count],
-            check=False,
-        )
+        found = grown(case, t=case.t, of=of, exponents=count, start=unit[:count], check=False)
         logs = found.spectrum * case.t[:, None]
         true = case.growth[of]["log_qr"]
         # The worst was 6e-11, beside a separatrix.
