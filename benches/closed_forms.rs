@@ -9,7 +9,7 @@
 mod timing;
 
 use rigid::body::Body;
-use rigid::exact::{Evaluator, EvaluatorKind, ExitRows, StartRows, StateRows};
+use rigid::exact::{Evaluator, Exit, StartRows, StateRows};
 use rigid::simd::Isa;
 use rigid::simd::{LANES, Row};
 use std::hint::black_box;
@@ -18,18 +18,18 @@ const REPEATS: usize = 31;
 const ROUNDS: usize = 100;
 
 /// Bodies of one kind: away from all limits, or close to a separatrix, or both in one register.
-fn starts(kind: EvaluatorKind, tame: bool, mixed: bool) -> StartRows {
+fn starts(kind: Evaluator, tame: bool, mixed: bool) -> StartRows {
     let body = |lane: usize| {
         let x = 1e-3 * lane as f64;
         let near = !tame && (!mixed || lane.is_multiple_of(2));
         let (moments, weight) = match kind {
-            EvaluatorKind::Symmetric => ([1.0, 1.0, 0.7], [0.0; 3]),
-            EvaluatorKind::Free => ([1.0, 1.6, 2.1], [0.0; 3]),
-            EvaluatorKind::Lagrange => ([1.0, 1.0, 0.5], [0.0, 0.0, 1.0]),
+            Evaluator::Symmetric => ([1.0, 1.0, 0.7], [0.0; 3]),
+            Evaluator::Free => ([1.0, 1.6, 2.1], [0.0; 3]),
+            Evaluator::Lagrange => ([1.0, 1.0, 0.5], [0.0, 0.0, 1.0]),
         };
         let omega = match kind {
-            EvaluatorKind::Lagrange if near => [1e-6, 2e-6, 2.5 + x],
-            EvaluatorKind::Lagrange => [0.3 + x, -0.2, 6.0],
+            Evaluator::Lagrange if near => [1e-6, 2e-6, 2.5 + x],
+            Evaluator::Lagrange => [0.3 + x, -0.2, 6.0],
             _ if near => [1e-6 + 1e-6 * x, 1.0, 1e-6],
             _ => [0.2 + x, 0.3, 1.0],
         };
@@ -68,15 +68,13 @@ pub fn print_rows(repeats: usize) -> Result<usize, String> {
         "ns per body", "path", "set-up", "rates", "state", "exit", "sincos", "state/sc"
     );
     for isa in Isa::available() {
-        let (symmetric, spinning) =
-            (Evaluator::new(EvaluatorKind::Symmetric, isa), starts(EvaluatorKind::Symmetric, true, false));
-        for kind in [EvaluatorKind::Symmetric, EvaluatorKind::Free, EvaluatorKind::Lagrange] {
+        let (symmetric, spinning) = (Evaluator::Symmetric, starts(Evaluator::Symmetric, true, false));
+        for kind in [Evaluator::Symmetric, Evaluator::Free, Evaluator::Lagrange] {
             for (name, tame, mixed) in
                 [("tame", true, false), ("separatrix", false, false), ("mixed", false, true)]
             {
                 let starts = starts(kind, tame, mixed);
-                let evaluator = Evaluator::new(kind, isa);
-                let limits = ExitRows {
+                let limits = Exit {
                     axis: Row([1.0; LANES]),
                     limit: [Row([0.3; LANES]), Row([1.7; LANES])],
                     direction: Row([1.0; LANES]),
@@ -85,13 +83,14 @@ pub fn print_rows(repeats: usize) -> Result<usize, String> {
                 let mut columns: [Vec<f64>; 6] = Default::default();
                 for _ in 0..repeats {
                     let starts = black_box(&starts);
-                    let one = brief(|| evaluator.states(starts, black_box(&times[..1]), &mut out[..1]))?;
-                    let all = timed(|| evaluator.states(starts, black_box(&times), &mut out))?;
-                    let rates = timed(|| evaluator.rates(starts, black_box(&times), &mut out))?;
-                    let rate = brief(|| evaluator.rates(starts, black_box(&times[..1]), &mut out[..1]))?;
-                    let exit = brief(|| evaluator.exits(starts, black_box(&limits), &mut exits))?;
-                    let sincos = timed(|| symmetric.rates(&spinning, black_box(&times), &mut out))?;
-                    let first = brief(|| symmetric.rates(&spinning, black_box(&times[..1]), &mut out[..1]))?;
+                    let one = brief(|| kind.states(isa, starts, black_box(&times[..1]), &mut out[..1]))?;
+                    let all = timed(|| kind.states(isa, starts, black_box(&times), &mut out))?;
+                    let rates = timed(|| kind.rates(isa, starts, black_box(&times), &mut out))?;
+                    let rate = brief(|| kind.rates(isa, starts, black_box(&times[..1]), &mut out[..1]))?;
+                    let exit = brief(|| kind.exits(isa, starts, black_box(&limits), &mut exits))?;
+                    let sincos = timed(|| symmetric.rates(isa, &spinning, black_box(&times), &mut out))?;
+                    let first =
+                        brief(|| symmetric.rates(isa, &spinning, black_box(&times[..1]), &mut out[..1]))?;
                     let sc = (sincos - first) / (TIMES - 1) as f64;
                     let state = (all - one) / (TIMES - 1) as f64;
                     let values =

@@ -4,6 +4,7 @@
 //! finite, samples are counted once, and nothing panics.
 
 use rigid::body::{Body, unit_quaternion};
+use rigid::call::Call;
 use rigid::error::Error;
 use rigid::exact::derived::{free_quantities, saddle, sign_changes, tilt_time, top_quantities};
 use rigid::forces::Forces;
@@ -171,7 +172,7 @@ fn simulate(numbers: &mut Bytes) {
         max_steps: MAX_STEPS,
     };
     let (isa, count) = (numbers.isa(), request.schedule.len());
-    let Some(states) = let_out(trajectory::simulate(&request, 2, isa, &Interrupt::never())) else {
+    let Some(states) = let_out(trajectory::simulate(&request, Call::to_the_end(isa, 2))) else {
         return;
     };
     assert_eq!((states.status.len(), states.rates().len()), (bodies.len(), 3 * count * bodies.len()));
@@ -260,7 +261,7 @@ fn map(numbers: &mut Bytes) {
     };
     let Some(map) = let_out(asked.checked()) else { return };
     let isa = numbers.isa();
-    let ran = let_out(map.run(0, map.len(), 2, isa, &Interrupt::never()));
+    let ran = let_out(map.run(0, map.len(), Call::to_the_end(isa, 2)));
     for (pixel, s) in map.pixels.iter().zip(ran.expect("a map that was let in is computed").1) {
         let counted = s.stable + s.unstable + s.undecided + s.failed;
         assert_eq!(counted, if pixel.possible { map.samples } else { 0 });

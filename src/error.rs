@@ -1,5 +1,6 @@
 //! Errors of requests, and why a run did not end. The bodies of a run raise no error: each has a status.
 
+use std::fmt::Display;
 use thiserror::Error;
 
 /// An invalid request: the argument, its value and the rule that it breaks; or a run that did not end.
@@ -157,7 +158,20 @@ fn whose(body: Option<usize>) -> String {
     body.map_or(String::new(), |body| format!(" of body {body}"))
 }
 
+/// Refuses the value of an argument by a rule.
+///
+/// # Errors
+/// Always.
+pub fn refuse<T>(argument: &'static str, value: impl Display, rule: &'static str) -> Result<T, Error> {
+    Err(Error::value(argument, value, rule))
+}
+
 impl Error {
+    /// A number outside its range.
+    pub fn value(argument: &'static str, value: impl Display, rule: &'static str) -> Error {
+        Error::Value { argument, value: value.to_string(), rule }
+    }
+
     /// The error of a part of the bodies, which begins with this one, in terms of all bodies.
     pub fn of_part(self, first: usize) -> Error {
         match self {

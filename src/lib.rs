@@ -6,11 +6,13 @@
 //! real ← {dual, simd}        real ← special ← kinematics        {dual, kinematics} ← series ← forces ← {inertia, body}
 //! {kinematics, forces} ← scene ← method ← observe ← kernel        {special, body} ← exact
 //! special ← sample        memory ← {forces, kernel, parallel}        float_environment ← {parallel, python}
+//! {simd, parallel} ← call ← trajectory
 //! {kernel, exact, sample, parallel} ← trajectory ← {estimate ← accuracy, map} ← python
 //! ```
 
 pub mod accuracy;
 pub mod body;
+pub mod call;
 pub mod dual;
 pub mod error;
 pub mod estimate;

@@ -1,14 +1,13 @@
 //! Bodies that are run alike.
 
 use crate::body::Body;
+use crate::call::Call;
 use crate::error::Error;
 use crate::estimate::{round_otherwise, sign_of_forces};
 use crate::forces::Forces;
 use crate::memory;
 use crate::method::{AnyMethod, Method};
-use crate::parallel::Interrupt;
 use crate::scene::Scene;
-use crate::simd::Isa;
 use crate::trajectory::{
     Record, Request, Schedule, States, StatesPart, default_steps, simulate_into, time_range,
 };
@@ -20,9 +19,7 @@ use std::cell::Cell;
 pub struct Job<'a> {
     pub scene: &'static Scene,
     pub record: Record<'a>,
-    pub threads: usize,
-    pub isa: Isa,
-    pub stop: &'a Interrupt<'a>,
+    pub call: Call<'a>,
     /// Processor time of all runs.
     pub nanoseconds: &'a Cell<u64>,
 }
@@ -179,12 +176,12 @@ impl<'a> Batch<'a> {
         refinement: f64,
         states: StatesPart,
     ) -> Result<(), Error> {
-        let Job { threads, isa, stop, nanoseconds, .. } = self.job;
+        let Job { call, nanoseconds, .. } = self.job;
         let steps = match longest {
             Some(longest) => Cow::Borrowed(longest),
             None => Cow::Owned(self.longest_steps(solver.method)?),
         };
-        let passed = simulate_into(&self.request(solver, &steps, refinement), states, threads, isa, stop)?;
+        let passed = simulate_into(&self.request(solver, &steps, refinement), states, call)?;
         nanoseconds.set(nanoseconds.get() + passed);
         Ok(())
     }

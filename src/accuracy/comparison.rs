@@ -5,7 +5,7 @@ use super::second_run::{HALVINGS, Steps, second_run};
 use super::tolerances::is_ruled_by_rounding;
 use crate::error::Error;
 use crate::estimate::{
-    Change, ROUNDINGS, Recorded, Run, Stated, depends_on_change, measured_change, phase_error, stated,
+    Estimate, ROUNDINGS, Recorded, Run, Stated, depends_on_change, measured_change, phase_error, stated,
 };
 use crate::memory;
 use crate::status::Status;
@@ -23,24 +23,6 @@ const BETWEEN: f64 = 64.0;
 
 /// Bodies judged between two questions whether to stop.
 const BETWEEN_QUESTIONS: usize = 64;
-
-/// The estimated error of a body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    /// The largest error at the compared times; NaN if it is not known.
-    pub error: f64,
-    /// The time nearest to 0 from which on the error is 1 or more; infinite if there is none.
-    pub lost_from: f64,
-}
-
-impl Estimate {
-    /// The estimate of a body whose error is unknown.
-    pub const UNKNOWN: Estimate = Estimate { error: f64::NAN, lost_from: f64::NAN };
-
-    fn of(stated: &Stated) -> Self {
-        Estimate { error: stated.error, lost_from: stated.lost_from }
-    }
-}
 
 /// States of the bodies of a batch: those of all, or the rows of its bodies.
 #[derive(Clone, Copy)]
@@ -119,7 +101,7 @@ pub fn estimate(
         return Ok(all);
     }
     if (0..n).all(|body| batch.span_of(body) == 0.0) {
-        return memory::filled("errors of the bodies", n, Estimate { error: 0.0, lost_from: f64::INFINITY });
+        return memory::filled("errors of the bodies", n, Estimate::NONE);
     }
     let longer = coarser.map_or(states, |coarser| coarser.states);
     let taken: Vec<u64> = memory::collected("steps", n, (0..n).map(|body| longer.steps(body)))?;
@@ -139,7 +121,7 @@ pub fn estimate(
         None => checks.iter().map(Rows::all).collect(),
     };
     let told = stated_of_all(batch, solver, states, &taken, &others, (safety, tolerance), false)?;
-    let mut all = memory::collected("errors of the bodies", n, told.iter().map(Estimate::of))?;
+    let mut all = memory::collected("errors of the bodies", n, told.iter().map(|stated| stated.estimate))?;
     if told.iter().any(|stated| stated.looks > 0.0) {
         count_turns(batch, solver, &taken, &told, &mut all)?;
     }
@@ -162,7 +144,7 @@ fn stated_of_all(
     let (error, apart) = errors.split_at_mut(m);
     let mut all = memory::reserved("errors of the bodies", n)?;
     for (index, body) in batch.bodies.iter().enumerate() {
-        if index % BETWEEN_QUESTIONS == 0 && job.stop.is_wanted() {
+        if index % BETWEEN_QUESTIONS == 0 && job.call.stop.is_wanted() {
             return Err(Error::Stopped);
         }
         let mut run = Run {
@@ -179,12 +161,10 @@ fn stated_of_all(
             coarser_tolerance,
         };
         if !alone && depends_on_change(&run) {
-            let change: Change =
-                measured_change(&run, (job.scene, batch.forces(), index), job.isa, job.stop)?;
-            run.change = Some(change);
+            run.change = Some(measured_change(&run, (job.scene, batch.forces(), index), job.call)?);
         }
         let others = others.iter().map(|other| other.recorded(index, m));
-        all.push(stated(job.isa, &run, others, safety, alone, [&mut *error, &mut *apart]));
+        all.push(stated(job.call.isa, &run, others, safety, alone, [&mut *error, &mut *apart]));
     }
     Ok(all)
 }
@@ -221,8 +201,8 @@ fn count_turns(
         let [states, other] = [&states, &other].map(Rows::all);
         let own = stated_of_all(&dense, solver, states, &taken, &[other], (SAFETY, None), true)?;
         for (own, body) in own.iter().zip(some) {
-            if own.error > all[body].error {
-                all[body] = Estimate::of(own);
+            if own.estimate.error > all[body].error {
+                all[body] = own.estimate;
             }
         }
     }
@@ -246,13 +226,14 @@ pub fn with_phase_errors(batch: &Batch, states: Rows, mut all: Vec<Estimate>) ->
     for (index, own) in all.iter_mut().enumerate() {
         let recorded = states.recorded(index, m);
         let reached = time_range(batch.times_of(index));
-        let near = phase_error(batch.job.isa, &batch.bodies[index], recorded.omega, recorded.work, reached);
+        let near =
+            phase_error(batch.job.call.isa, &batch.bodies[index], recorded.omega, recorded.work, reached);
         // Of a body that was not run again no error is known, but that its phase is lost.
         if own.error.is_nan() && !near.lost_from.is_finite() {
             continue;
         }
-        if near.delay > 0.0 {
-            own.error = own.error.max(near.delay);
+        if near.error > 0.0 {
+            own.error = own.error.max(near.error);
         }
         if !(own.lost_from.abs() < near.lost_from.abs()) {
             own.lost_from = near.lost_from;

@@ -9,17 +9,15 @@ mod comparison;
 mod second_run;
 mod tolerances;
 
-pub use comparison::Estimate;
 pub use second_run::ELSEWHERE;
 pub use tolerances::{LEAST_UNDER_FUNCTION, SERIES_TOLERANCE, first_tolerance};
 
+use crate::call::Call;
 use crate::error::Error;
-use crate::estimate::longest_interval;
+use crate::estimate::{Estimate, longest_interval};
 use crate::kinematics::plain_dot;
 use crate::memory;
 use crate::method::{Method, SERIES};
-use crate::parallel::Interrupt;
-use crate::simd::Isa;
 use crate::trajectory::{Request, StatesPart};
 use batch::{Batch, Job, Solver, picked};
 use comparison::{Coarser, Rows, estimate, with_phase_errors, write};
@@ -92,12 +90,10 @@ pub fn solve(
     method: &'static Method,
     asked: Asked,
     mut states: StatesPart,
-    threads: usize,
-    (isa, stop): (Isa, &Interrupt),
+    call: Call,
 ) -> Result<Solved, Error> {
     let nanoseconds = Cell::new(0);
-    let job =
-        Job { scene: request.scene, record: request.record, threads, isa, stop, nanoseconds: &nanoseconds };
+    let job = Job { scene: request.scene, record: request.record, call, nanoseconds: &nanoseconds };
     let batch = Batch::of(request, job);
     let solver = Solver {
         method,

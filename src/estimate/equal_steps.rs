@@ -2,13 +2,12 @@
 
 use super::{Run, Sized, cross, larger, length, smaller};
 use crate::body::Body;
+use crate::call::Call;
 use crate::error::Error;
 use crate::forces::Forces;
 use crate::memory;
 use crate::method::{AnyMethod, MIDPOINT, RK4, STIFF, default_step};
-use crate::parallel::Interrupt;
 use crate::scene::Scene;
-use crate::simd::Isa;
 use crate::special::{exp, ln};
 use crate::trajectory::{Record, Request, Schedule, simulate, time_range};
 use std::f64::consts::PI;
@@ -129,8 +128,7 @@ pub fn depends_on_change(run: &Run) -> bool {
 pub fn measured_change(
     run: &Run,
     (scene, all, index): (&'static Scene, &Forces, usize),
-    isa: Isa,
-    stop: &Interrupt,
+    call: Call,
 ) -> Result<Change, Error> {
     let range @ [first, last] = time_range(run.times);
     let count = run.times.len().min(LOOKS);
@@ -166,9 +164,7 @@ pub fn measured_change(
             tolerance: None,
             max_steps: u64::MAX,
         },
-        1,
-        isa,
-        stop,
+        Call { threads: 1, ..call },
     )?;
     let mut slowest = f64::INFINITY;
     let moved = bodies.iter().zip(moved.rates().as_chunks::<3>().0);
@@ -216,6 +212,7 @@ mod tests {
     use crate::estimate::Recorded;
     use crate::forces::{BodyForces, Damping};
     use crate::method::{DEFAULT, Method, SPLITTING};
+    use crate::simd::Isa;
 
     const TIMES: [f64; 2] = [0.5, 1.0];
 

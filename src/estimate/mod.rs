@@ -18,7 +18,7 @@ pub use closed_form::error_of_closed_form;
 pub use distance::distances;
 pub use equal_steps::{Change, depends_on_change, measured_change};
 pub use rounded_start::{ROUNDINGS, round_otherwise, sign_of_forces};
-pub use separatrix::{PhaseError, phase_error};
+pub use separatrix::phase_error;
 pub use turns::longest_interval;
 
 use crate::body::Body;
@@ -87,13 +87,28 @@ pub struct Run<'a> {
     pub coarser_tolerance: Option<f64>,
 }
 
+/// The estimated error of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The largest error at the compared times; NaN if it is not known.
+    pub error: f64,
+    /// The time nearest to 0 from which on the error is 1 or more; infinite if there is none.
+    pub lost_from: f64,
+}
+
+impl Estimate {
+    /// No error.
+    pub const NONE: Estimate = Estimate { error: 0.0, lost_from: f64::INFINITY };
+
+    /// The estimate of a body whose error is unknown.
+    pub const UNKNOWN: Estimate = Estimate { error: f64::NAN, lost_from: f64::NAN };
+}
+
 /// What is stated of the error of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stated {
-    /// The largest error at the output times.
-    pub error: f64,
-    /// The output time nearest to 0 from which on the error is 1 or more; infinite if there is none.
-    pub lost_from: f64,
+    /// The error at the output times.
+    pub estimate: Estimate,
     /// How many more times show whether two runs that agree at the output times differ by whole turns; 0 if those do.
     pub looks: f64,
 }
@@ -143,7 +158,7 @@ pub fn stated<'a>(
     error.fill(0.0);
     if known.span == 0.0 {
         // Nothing moves in no time.
-        return Stated { error: 0.0, lost_from: f64::INFINITY, looks: 0.0 };
+        return Stated { estimate: Estimate::NONE, looks: 0.0 };
     }
     for other in others {
         distance::stated(&known, &other, safety, apart);
@@ -152,19 +167,19 @@ pub fn stated<'a>(
     for term in TERMS.iter().filter(|_| !alone) {
         term(&known, error);
     }
-    let (mut worst, mut lost_from) = (0.0_f64, f64::INFINITY);
+    let mut estimate = Estimate::NONE;
     for (error, &time) in error.iter_mut().zip(run.times) {
         if !error.is_finite() {
             // An error that is not a number is unknown.
             *error = f64::INFINITY;
         }
-        worst = worst.max(*error);
-        if *error >= 1.0 && time.abs() < lost_from.abs() {
-            lost_from = time;
+        estimate.error = estimate.error.max(*error);
+        if *error >= 1.0 && time.abs() < estimate.lost_from.abs() {
+            estimate.lost_from = time;
         }
     }
-    let looks = if worst < 1.0 { turns::looks(&known) } else { 0.0 };
-    Stated { error: worst, lost_from, looks }
+    let looks = if estimate.error < 1.0 { turns::looks(&known) } else { 0.0 };
+    Stated { estimate, looks }
 }
 
 impl<'a> Sized<'a> {
@@ -285,7 +300,8 @@ mod tests {
         let (stated, error) = stated_of(&[1.0, 2.0], &omega, &omega);
         let angle = 2.0 * FREE.fastest_rate(BodyForces::NONE, [0.0; 2]);
         assert_eq!(error, [5e-16 * (1.0 + angle); 2]);
-        assert_eq!((stated.error, stated.lost_from, stated.looks), (error[0], f64::INFINITY, 0.0));
+        let estimate = Estimate { error: error[0], lost_from: f64::INFINITY };
+        assert_eq!(stated, Stated { estimate, looks: 0.0 });
     }
 
     #[test]
@@ -293,8 +309,8 @@ mod tests {
         let omega = [[0.0, 2.0, 0.0]; 4];
         let other = [[0.0, 2.0, 0.0], [0.0, 2.0, 0.0], [0.0, -2.0, 0.0], [0.0, -2.0, 0.0]];
         let (stated, error) = stated_of(&[-2.0, 1.0, 3.0, 4.0], &omega, &other);
-        assert_eq!(stated.lost_from, 3.0);
-        assert!(error[0] < 1e-14 && error[1] < 1e-14 && stated.error == error[3] && error[3] >= 6.0);
+        assert_eq!(stated.estimate.lost_from, 3.0);
+        assert!(error[0] < 1e-14 && error[1] < 1e-14 && stated.estimate.error == error[3] && error[3] >= 6.0);
     }
 
     #[test]
@@ -302,13 +318,13 @@ mod tests {
         let (known, lost) = ([0.0, 2.0, 0.0], [f64::NAN; 3]);
         let (stated, error) = stated_of(&[1.0, 2.0], &[known, known], &[known, lost]);
         assert!(error[0] < 1e-14 && error[1] == f64::INFINITY);
-        assert_eq!((stated.error, stated.lost_from), (f64::INFINITY, 2.0));
+        assert_eq!(stated.estimate, Estimate { error: f64::INFINITY, lost_from: 2.0 });
     }
 
     #[test]
     fn nothing_moves_in_no_time() {
         let (stated, error) = stated_of(&[0.0], &[FREE.omega], &[[f64::NAN; 3]]);
-        assert_eq!((stated.error, error), (0.0, vec![0.0]));
+        assert_eq!((stated.estimate, error), (Estimate::NONE, vec![0.0]));
         assert_eq!(stated_of(&[], &[], &[]).0, stated);
     }
 }

@@ -1,6 +1,6 @@
 //! The phase error that the drift of a run causes in a free body next to its separatrix.
 
-use super::{largest, smaller};
+use super::{Estimate, largest, smaller};
 use crate::body::Body;
 use crate::exact::derived::{sign_change_time, sign_changes};
 use crate::simd::Isa;
@@ -11,21 +11,8 @@ const NEAR: f64 = 1e-3;
 /// A body is treated as free if weight and work are below this share of twice its kinetic energy.
 const NEARLY_FREE: f64 = 1e-8;
 
-/// The phase error of a body, and the time from which on the phase is unknown.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PhaseError {
-    /// In radians; 0 away from the separatrix.
-    pub delay: f64,
-    /// Infinite if the phase is not lost.
-    pub lost_from: f64,
-}
-
-impl PhaseError {
-    /// No error.
-    pub const NONE: PhaseError = PhaseError { delay: 0.0, lost_from: f64::INFINITY };
-}
-
-/// The phase error from drift near the separatrix, of a body with these rates and work between two times around 0.
+/// The phase error in radians from drift near the separatrix, of a body with these rates and work between two times around 0;
+/// away from the separatrix there is none.
 ///
 /// `2 T I2 - L^2`, moments ascending, is negative on the polhodes about axis 3 and positive on those about axis 1 (Landau &
 /// Lifshitz, *Mechanics*, § 37). The time that a body stays at the saddle goes with the logarithm of this distance: a drift
@@ -38,10 +25,10 @@ pub fn phase_error(
     omega: &[[f64; 3]],
     work: Option<&[f64]>,
     [begin, end]: [f64; 2],
-) -> PhaseError {
+) -> Estimate {
     let work = largest(work.unwrap_or(&[]).iter().map(|work| work.abs()));
     if !is_near_separatrix(body, work, NEAR, NEARLY_FREE) {
-        return PhaseError::NONE;
+        return Estimate::NONE;
     }
     // The difference of energy and momentum would lose all digits near the separatrix.
     let distance = |omega: &[f64; 3]| {
@@ -59,9 +46,9 @@ pub fn phase_error(
     } else if flip <= -begin {
         -flip
     } else {
-        return PhaseError::NONE;
+        return Estimate::NONE;
     };
-    PhaseError { delay: smaller(share, 1.0), lost_from: if share >= 1.0 { passed } else { f64::INFINITY } }
+    Estimate { error: smaller(share, 1.0), lost_from: if share >= 1.0 { passed } else { f64::INFINITY } }
 }
 
 /// The axis of the middle one of three different moments.
@@ -104,12 +91,12 @@ mod tests {
         };
         let late = of_drift(1e-6, [0.0, 1e3]);
         // The square of the rate drifts by twice its share; the share itself is rounded to 1e-11.
-        assert!((late.delay - 0.1).abs() < 1e-5 && late.lost_from == f64::INFINITY, "{late:?}");
+        assert!((late.error - 0.1).abs() < 1e-5 && late.lost_from == f64::INFINITY, "{late:?}");
         let lost = of_drift(-2e-5, [0.0, 1e3]);
-        assert!(lost.delay == 1.0 && 0.0 < lost.lost_from && lost.lost_from < 1e3, "{lost:?}");
+        assert!(lost.error == 1.0 && 0.0 < lost.lost_from && lost.lost_from < 1e3, "{lost:?}");
         assert_eq!(of_drift(-2e-5, [-1e3, 0.0]).lost_from, -lost.lost_from);
-        assert_eq!(of_drift(-2e-5, [0.0, 0.5 * lost.lost_from]), PhaseError::NONE, "no flip yet");
-        assert_eq!(phase_error(isa, &body, &[omega], Some(&[1.0]), [0.0, 1e3]), PhaseError::NONE, "work");
+        assert_eq!(of_drift(-2e-5, [0.0, 0.5 * lost.lost_from]), Estimate::NONE, "no flip yet");
+        assert_eq!(phase_error(isa, &body, &[omega], Some(&[1.0]), [0.0, 1e3]), Estimate::NONE, "work");
         assert_eq!((middle([2.0, 3.0, 1.0]), middle([1.0, 2.0, 3.0])), (0, 1));
     }
 

@@ -93,7 +93,7 @@ impl ClosedForm {
 /// The motion that evaluates a closed form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)] // The names are those of the motions.
-pub enum EvaluatorKind {
+pub enum Evaluator {
     Symmetric,
     Free,
     Lagrange,
@@ -286,11 +286,11 @@ impl CanonicalForm {
 
     /// The motion that evaluates the closed form.
     #[inline(always)]
-    pub fn kind(self) -> EvaluatorKind {
+    pub fn evaluator(self) -> Evaluator {
         match self.closed_form {
-            ClosedForm::PermanentRotation | ClosedForm::Symmetric => EvaluatorKind::Symmetric,
-            ClosedForm::Asymmetric => EvaluatorKind::Free,
-            ClosedForm::Lagrange | ClosedForm::Pendulum => EvaluatorKind::Lagrange,
+            ClosedForm::PermanentRotation | ClosedForm::Symmetric => Evaluator::Symmetric,
+            ClosedForm::Asymmetric => Evaluator::Free,
+            ClosedForm::Lagrange | ClosedForm::Pendulum => Evaluator::Lagrange,
         }
     }
 

@@ -1,6 +1,6 @@
 //! Quantities of a whole motion from its closed form: periods, turning points, advances, and times of events.
 
-use super::canonical::{CanonicalForm, ClosedForm, EvaluatorKind, depths, versines};
+use super::canonical::{CanonicalForm, ClosedForm, Evaluator, depths, versines};
 use super::{Exit, Free, Lagrange, Motion, Symmetric, power_near};
 use crate::body::Body;
 use crate::simd::Isa;
@@ -228,7 +228,7 @@ fn angle(root: f64, rest: f64) -> f64 {
 #[inline(always)]
 fn top(isa: Isa, body: &Body) -> Option<TopQuantities> {
     let form = CanonicalForm::of(body)?;
-    if form.kind() != EvaluatorKind::Lagrange {
+    if form.evaluator() != Evaluator::Lagrange {
         return upright(body, form);
     }
     let m: Lagrange<f64> = motion(isa, form, body);
@@ -285,7 +285,7 @@ fn upright(body: &Body, form: CanonicalForm) -> Option<TopQuantities> {
 
 #[inline(always)]
 fn saddle_of(isa: Isa, body: &Body) -> [f64; 2] {
-    let Some(form) = CanonicalForm::of(body).filter(|form| form.kind() == EvaluatorKind::Lagrange) else {
+    let Some(form) = CanonicalForm::of(body).filter(|form| form.evaluator() == Evaluator::Lagrange) else {
         return [1.0, 0.0];
     };
     let m: Lagrange<f64> = motion(isa, form, body);
@@ -297,7 +297,7 @@ fn saddle_of(isa: Isa, body: &Body) -> [f64; 2] {
 fn time_of_tilt(isa: Isa, body: &Body, limit: f64) -> Option<f64> {
     let form = CanonicalForm::of(body)?;
     let versine = versines(limit);
-    if form.kind() != EvaluatorKind::Lagrange {
+    if form.evaluator() != Evaluator::Lagrange {
         let axis = (0..3).find(|&k| body.is_weighed_along(k))?;
         return Some(if depths(body, axis) == versine { 0.0 } else { f64::INFINITY });
     }

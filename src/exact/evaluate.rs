@@ -1,6 +1,6 @@
 //! Closed forms of many bodies at once.
 
-use super::{EvaluatorKind, Exit, Free, Lagrange, Motion, Symmetric};
+use super::{Evaluator, Exit, Free, Lagrange, Motion, Symmetric};
 use crate::body::Body;
 use crate::real::Pack;
 use crate::simd::{Arr, Isa, LANES, Row, Work, load_rows, set_lane, store_rows};
@@ -55,18 +55,20 @@ pub struct StateRows {
 
 impl StateRows {
     /// Zeros.
-    pub const ZERO: StateRows = StateRows { omega: [Row([0.0; LANES]); 3], attitude: [Row([0.0; LANES]); 4] };
+    pub const ZERO: StateRows = StateRows { omega: [Row::ZERO; 3], attitude: [Row::ZERO; 4] };
 }
 
-/// The boundary of the stable motion of each lane; see `Exit`.
-#[derive(Clone, Copy)]
-pub struct ExitRows {
-    /// Observed component.
-    pub axis: Row,
-    /// Limit.
-    pub limit: [Row; 2],
-    /// Direction.
-    pub direction: Row,
+impl Exit<Row> {
+    /// Zeros.
+    pub const ZERO: Exit<Row> = Exit { axis: Row::ZERO, limit: [Row::ZERO; 2], direction: Row::ZERO };
+
+    /// Sets the boundary of the body in a lane.
+    #[inline]
+    pub fn set(&mut self, lane: usize, Exit { axis, limit, direction }: Exit<f64>) {
+        self.axis.0[lane] = axis;
+        set_lane(&mut self.limit, lane, &limit);
+        self.direction.0[lane] = direction;
+    }
 }
 
 /// The motion of the lanes from `at` on.
@@ -103,7 +105,7 @@ fn states<P: Pack, M: Motion<P>>(starts: &StartRows, times: &[Row], attitude: bo
 
 /// The exit time of each lane. The compiler removes most of the set-up, which is not needed here.
 #[inline(always)]
-fn exits<P: Pack, M: Motion<P>>(starts: &StartRows, questions: &ExitRows, out: &mut Row) {
+fn exits<P: Pack, M: Motion<P>>(starts: &StartRows, questions: &Exit<Row>, out: &mut Row) {
     for at in (0..LANES).step_by(P::LANES) {
         let motion: M = motion(starts, at);
         let question = Exit {
@@ -117,7 +119,7 @@ fn exits<P: Pack, M: Motion<P>>(starts: &StartRows, questions: &ExitRows, out: &
 
 /// The states of all lanes, for packs of any width.
 struct States<'a> {
-    kind: EvaluatorKind,
+    by: Evaluator,
     starts: &'a StartRows,
     times: &'a [Row],
     attitude: bool,
@@ -128,21 +130,21 @@ impl Work for States<'_> {
     type Out = ();
     #[inline(always)]
     fn run<P: Pack>(self) {
-        let States { kind, starts, times, attitude, out } = self;
-        match kind {
-            EvaluatorKind::Symmetric => states::<P, Symmetric<P>>(starts, times, attitude, out),
+        let States { by, starts, times, attitude, out } = self;
+        match by {
+            Evaluator::Symmetric => states::<P, Symmetric<P>>(starts, times, attitude, out),
             // Two packs in flight hide the latency of its square roots (benches/README.md).
-            EvaluatorKind::Free => states::<Arr<P, 2>, Free<Arr<P, 2>>>(starts, times, attitude, out),
-            EvaluatorKind::Lagrange => states::<P, Lagrange<P>>(starts, times, attitude, out),
+            Evaluator::Free => states::<Arr<P, 2>, Free<Arr<P, 2>>>(starts, times, attitude, out),
+            Evaluator::Lagrange => states::<P, Lagrange<P>>(starts, times, attitude, out),
         }
     }
 }
 
 /// The exit times of all lanes.
 struct Exits<'a> {
-    kind: EvaluatorKind,
+    by: Evaluator,
     starts: &'a StartRows,
-    questions: &'a ExitRows,
+    questions: &'a Exit<Row>,
     out: &'a mut Row,
 }
 
@@ -150,40 +152,29 @@ impl Work for Exits<'_> {
     type Out = ();
     #[inline(always)]
     fn run<P: Pack>(self) {
-        let Exits { kind, starts, questions, out } = self;
-        match kind {
-            EvaluatorKind::Symmetric => exits::<P, Symmetric<P>>(starts, questions, out),
-            EvaluatorKind::Free => exits::<Arr<P, 2>, Free<Arr<P, 2>>>(starts, questions, out),
-            EvaluatorKind::Lagrange => exits::<P, Lagrange<P>>(starts, questions, out),
+        let Exits { by, starts, questions, out } = self;
+        match by {
+            Evaluator::Symmetric => exits::<P, Symmetric<P>>(starts, questions, out),
+            Evaluator::Free => exits::<Arr<P, 2>, Free<Arr<P, 2>>>(starts, questions, out),
+            Evaluator::Lagrange => exits::<P, Lagrange<P>>(starts, questions, out),
         }
     }
 }
 
-/// The closed form of a kind, compiled for each instruction set.
-#[derive(Clone, Copy)]
-pub struct Evaluator {
-    kind: EvaluatorKind,
-    isa: Isa,
-}
-
+/// Each is compiled for each instruction set, and panics if the CPU lacks that one.
 impl Evaluator {
-    /// The evaluator for that instruction set. Its calls panic if the CPU lacks it.
-    pub fn new(kind: EvaluatorKind, isa: Isa) -> Evaluator {
-        Evaluator { kind, isa }
-    }
-
     /// The rates of all lanes at each row of times.
-    pub fn rates(self, starts: &StartRows, times: &[Row], out: &mut [StateRows]) {
-        self.isa.call(States { kind: self.kind, starts, times, attitude: false, out });
+    pub fn rates(self, isa: Isa, starts: &StartRows, times: &[Row], out: &mut [StateRows]) {
+        isa.call(States { by: self, starts, times, attitude: false, out });
     }
 
     /// The states of all lanes at each row of times.
-    pub fn states(self, starts: &StartRows, times: &[Row], out: &mut [StateRows]) {
-        self.isa.call(States { kind: self.kind, starts, times, attitude: true, out });
+    pub fn states(self, isa: Isa, starts: &StartRows, times: &[Row], out: &mut [StateRows]) {
+        isa.call(States { by: self, starts, times, attitude: true, out });
     }
 
     /// The exit times of the lanes.
-    pub fn exits(self, starts: &StartRows, questions: &ExitRows, out: &mut Row) {
-        self.isa.call(Exits { kind: self.kind, starts, questions, out });
+    pub fn exits(self, isa: Isa, starts: &StartRows, questions: &Exit<Row>, out: &mut Row) {
+        isa.call(Exits { by: self, starts, questions, out });
     }
 }

@@ -7,8 +7,8 @@ mod free;
 mod lagrange;
 mod symmetric;
 
-pub use canonical::{CanonicalForm, ClosedForm, EvaluatorKind, Question, depths, lagrange_axis, versines};
-pub use evaluate::{Evaluator, ExitRows, StartRows, StateRows};
+pub use canonical::{CanonicalForm, ClosedForm, Evaluator, Question, depths, lagrange_axis, versines};
+pub use evaluate::{StartRows, StateRows};
 pub use free::Free;
 pub use lagrange::Lagrange;
 pub use symmetric::Symmetric;
@@ -34,7 +34,7 @@ pub trait Motion<R: Real>: Copy {
     fn exit(&self, question: &Exit<R>) -> R;
 }
 
-/// The boundary of the stable motion. A free motion reads the axis, a top the other fields.
+/// The boundary of the stable motion, of a body or of those of all lanes. A free motion reads the axis, a top the other fields.
 #[derive(Clone, Copy)]
 pub struct Exit<R> {
     /// 0, 1 or 2: the component of the rates whose sign is observed.

@@ -1,11 +1,12 @@
 //! `Forces`: those of one body or of many; `BodyForces`: those of one of them; `ForcesInterval`: those in a kernel.
 
+use super::body_rows::{BodyRows, copied};
 use super::table::{self, Knot, Samples};
 use super::{
     AtStart, Damping, FEWEST_STEPS, Further, MOST_STATES, Modes, Rotor, Table, TorqueCall, TorqueCalls,
     TorqueFunction, Trajectory, part,
 };
-use crate::error::Error;
+use crate::error::{Error, refuse};
 use crate::memory;
 use crate::real::Real;
 use crate::special::exp;
@@ -114,9 +115,12 @@ impl<R: Real> ForcesInterval<'_, R> {
         ForcesInterval::filled(R::splat(0.0))
     }
 
-    /// The same with other functions.
+    /// The same for code of a kernel, whose types cannot name a lifetime.
+    ///
+    /// # Safety
+    /// As [`TorqueCalls::outliving`].
     #[inline(always)]
-    pub fn with_functions<'b>(&self, functions: Option<TorqueCalls<'b, R>>) -> ForcesInterval<'b, R> {
+    pub unsafe fn outliving(&self) -> ForcesInterval<'static, R> {
         let ForcesInterval { body, space, damping, rates, modes, further, rotor_change, .. } = *self;
         let ForcesInterval { trajectory, change, .. } = *self;
         ForcesInterval {
@@ -128,19 +132,10 @@ impl<R: Real> ForcesInterval<'_, R> {
             further,
             rotor_change,
             trajectory,
-            functions,
+            // SAFETY: the caller's promise.
+            functions: self.functions.map(|functions| unsafe { functions.outliving() }),
             change,
         }
-    }
-
-    /// The same for code of a kernel, whose types cannot name a lifetime.
-    ///
-    /// # Safety
-    /// As [`TorqueCalls::outliving`].
-    #[inline(always)]
-    pub unsafe fn outliving(&self) -> ForcesInterval<'static, R> {
-        // SAFETY: the caller's promise.
-        self.with_functions(self.functions.map(|functions| unsafe { functions.outliving() }))
     }
 }
 
@@ -149,34 +144,25 @@ impl<R: Real> ForcesInterval<'_, R> {
 struct Tables<T> {
     /// As in [`Samples`].
     times: Vec<f64>,
-    /// The values of the tables, table after table; empty without tables.
-    values: Vec<T>,
+    /// The values of the tables, a table in a row.
+    values: BodyRows<T>,
 }
 
 impl<T: Copy> Tables<T> {
-    const NONE: Tables<T> = Tables { times: Vec::new(), values: Vec::new() };
+    const NONE: Tables<T> = Tables { times: Vec::new(), values: BodyRows::NONE };
 
-    /// How many values a table has.
-    fn len(&self) -> usize {
-        self.times.len().max(1)
-    }
-
-    /// The number of tables.
-    fn count(&self) -> usize {
-        self.values.len() / self.len()
+    /// Tables at these times, table after table; a value a table without times.
+    fn new(what: &str, times: &[f64], values: Vec<T>) -> Result<Self, Error> {
+        let values = BodyRows::of_width(values, times.len().max(1));
+        Ok(Tables { times: copied(what, times)?, values })
     }
 
     fn of(&self, body: usize) -> Samples<'_, T> {
-        Samples { times: &self.times, values: of_one(&self.values, self.len(), body).unwrap_or(&[]) }
+        Samples { times: &self.times, values: self.values.of(body) }
     }
 
-    fn copied(&self, what: &'static str) -> Result<Self, Error> {
-        Ok(Tables { times: copied(what, &self.times)?, values: copied(what, &self.values)? })
-    }
-
-    fn of_some(&self, what: &'static str, bodies: &[usize]) -> Result<Self, Error> {
-        let values = taken(what, &self.values, self.len(), bodies)?;
-        Ok(Tables { times: copied(what, &self.times)?, values })
+    fn of_some(&self, what: &str, bodies: Option<&[usize]>) -> Result<Self, Error> {
+        Ok(Tables { times: copied(what, &self.times)?, values: self.values.of_some(what, bodies)? })
     }
 }
 
@@ -193,8 +179,8 @@ pub struct Forces {
     /// See [`Table::doubt`].
     doubt: f64,
     /// The damping matrices, as in [`Damping`].
-    dampings: Vec<[f64; 6]>,
-    further: Vec<Further<f64>>,
+    dampings: BodyRows<[f64; 6]>,
+    further: BodyRows<Further<f64>>,
     /// The function that returns a torque.
     function: Option<TorqueFunction>,
 }
@@ -206,8 +192,8 @@ impl Forces {
         rotors: Tables::NONE,
         trajectory: Tables::NONE,
         doubt: 0.0,
-        dampings: Vec::new(),
-        further: Vec::new(),
+        dampings: BodyRows::NONE,
+        further: BodyRows::NONE,
         function: None,
     };
 
@@ -225,8 +211,9 @@ impl Forces {
         table::check(times, body, space)?;
         let values = body.iter().zip(space).map(|(&body, &space)| [body, space]);
         let values = memory::collected(TABLE, body.len(), values)?;
-        let torques = Tables { times: copied(TABLE, times)?, values };
-        let made = Forces { torques, dampings: copied("damping", dampings)?, ..Forces::NONE.copied()? };
+        let matrices = BodyRows::of_width(copied("damping", dampings)?, 1);
+        let torques = Tables::new(TABLE, times, values)?;
+        let made = Forces { torques, dampings: matrices, ..Forces::NONE.copied()? };
         let rows = [body.len() / times.len().max(1), dampings.len()];
         if rows.iter().any(|&rows| rows > 1 && rows != made.bodies()) {
             let (expected, got) = (format!("({}, ...)", made.bodies()), format!("{rows:?} rows"));
@@ -246,7 +233,7 @@ impl Forces {
             further.push(Further::checked(row)?);
         }
         self.check_rows("forces", further.len())?;
-        Ok(Forces { further, ..self })
+        Ok(Forces { further: BodyRows::of_width(further, 1), ..self })
     }
 
     /// The same with rotors whose momenta are tables: table after table.
@@ -255,8 +242,8 @@ impl Forces {
     /// If the tables are impossible, or those of another number of bodies.
     pub fn with_rotors(self, times: &[f64], momenta: &[[f64; 3]]) -> Result<Forces, Error> {
         table::check_smooth("rotor", times, momenta, 2)?;
-        let rotors = Tables { times: copied(ROTOR, times)?, values: copied(ROTOR, momenta)? };
-        self.check_rows("rotor", rotors.count())?;
+        let rotors = Tables::new(ROTOR, times, copied(ROTOR, momenta)?)?;
+        self.check_rows("rotor", rotors.values.len())?;
         Ok(Forces { rotors, ..self })
     }
 
@@ -265,8 +252,8 @@ impl Forces {
     /// # Errors
     /// If the samples are impossible.
     pub fn on_trajectory(self, times: &[f64], samples: &[[f64; 3]]) -> Result<Forces, Error> {
-        let values = table::spline(times, samples)?;
-        Ok(Forces { trajectory: Tables { times: copied(TRAJECTORY, times)?, values }, ..self })
+        let trajectory = Tables::new(TRAJECTORY, times, table::spline(times, samples)?)?;
+        Ok(Forces { trajectory, ..self })
     }
 
     /// The same with the torque that a function returns.
@@ -293,15 +280,7 @@ impl Forces {
     /// # Errors
     /// If they do not fit into memory once more.
     pub fn copied(&self) -> Result<Forces, Error> {
-        Ok(Forces {
-            torques: self.torques.copied(TABLE)?,
-            rotors: self.rotors.copied(ROTOR)?,
-            trajectory: self.trajectory.copied(TRAJECTORY)?,
-            doubt: self.doubt,
-            dampings: copied("damping", &self.dampings)?,
-            further: copied("forces", &self.further)?,
-            function: self.function.as_ref().map(TorqueFunction::copied).transpose()?,
-        })
+        self.rows_of(None)
     }
 
     /// The forces on some bodies, in this order; what serves all stays.
@@ -310,16 +289,19 @@ impl Forces {
     /// If there is no such body, or they do not fit into memory.
     pub fn of_some(&self, bodies: &[usize]) -> Result<Forces, Error> {
         if let Some(bad) = bodies.iter().find(|&&body| self.bodies() > 1 && body >= self.bodies()) {
-            let rule = "there is no such body";
-            return Err(Error::Value { argument: "body", value: bad.to_string(), rule });
+            return refuse("body", bad, "there is no such body");
         }
+        self.rows_of(Some(bodies))
+    }
+
+    fn rows_of(&self, bodies: Option<&[usize]>) -> Result<Forces, Error> {
         Ok(Forces {
             torques: self.torques.of_some(TABLE, bodies)?,
             rotors: self.rotors.of_some(ROTOR, bodies)?,
-            trajectory: self.trajectory.copied(TRAJECTORY)?,
+            trajectory: self.trajectory.of_some(TRAJECTORY, bodies)?,
             doubt: self.doubt,
-            dampings: taken("damping", &self.dampings, 1, bodies)?,
-            further: taken("forces", &self.further, 1, bodies)?,
+            dampings: self.dampings.of_some("damping", bodies)?,
+            further: self.further.of_some("forces", bodies)?,
             function: self.function.as_ref().map(|function| function.of_some(bodies)).transpose()?,
         })
     }
@@ -333,10 +315,11 @@ impl Forces {
     /// As `of_some`.
     pub fn rounded_otherwise(&self, sign: f64) -> Result<Forces, Error> {
         let mut forces = self.copied()?;
-        for (k, entry) in forces.dampings.iter_mut().flat_map(|damping| damping.iter_mut().enumerate()) {
+        for (k, entry) in forces.dampings.values.iter_mut().flat_map(|damping| damping.iter_mut().enumerate())
+        {
             *entry *= 1.0 + if k < 3 { sign * f64::EPSILON } else { -sign * f64::EPSILON };
         }
-        forces.further.iter_mut().for_each(|further| further.orbit.round_otherwise(sign));
+        forces.further.values.iter_mut().for_each(|further| further.orbit.round_otherwise(sign));
         forces.doubt += sign;
         Ok(forces)
     }
@@ -362,7 +345,7 @@ impl Forces {
 
     /// The number of bodies on which they act; 1 if all have the same.
     pub fn bodies(&self) -> usize {
-        let tables = self.torques.count().max(self.rotors.count());
+        let tables = self.torques.values.len().max(self.rotors.values.len());
         let functions = self.function.as_ref().map_or(1, TorqueFunction::bodies);
         tables.max(self.dampings.len()).max(self.further.len()).max(functions)
     }
@@ -381,8 +364,8 @@ impl Forces {
                 trajectory: self.trajectory.of(body),
                 doubt: self.doubt,
             },
-            damping: of_one(&self.dampings, 1, body).map_or(Damping::NONE, |one| Damping(one[0])),
-            further: of_one(&self.further, 1, body).map_or(&Further::NONE, |one| &one[0]),
+            damping: self.dampings.of(body).first().map_or(Damping::NONE, |&one| Damping(one)),
+            further: self.further.of(body).first().unwrap_or(&Further::NONE),
             function: self.function.as_ref().map(|function| function.of(body)),
         }
     }
@@ -406,25 +389,6 @@ impl Forces {
 /// Whole numbers of which each bit is one of these.
 fn bits(set: &[bool]) -> u64 {
     set.iter().rev().fold(0, |bits, &one| bits << 1 | u64::from(one))
-}
-
-/// The values of one body among blocks of this size: its own, or those of all; `None` if there are none.
-fn of_one<T>(all: &[T], size: usize, body: usize) -> Option<&[T]> {
-    let first = if all.len() > size { size * body } else { 0 };
-    (!all.is_empty()).then(|| &all[first..][..size])
-}
-
-/// The blocks of values of some bodies; one block that serves all stays.
-fn taken<T: Copy>(what: &'static str, all: &[T], size: usize, bodies: &[usize]) -> Result<Vec<T>, Error> {
-    if all.len() <= size {
-        return copied(what, all);
-    }
-    let values = |&body: &usize| all[size * body..][..size].iter().copied();
-    memory::collected(what, size * bodies.len(), bodies.iter().flat_map(values))
-}
-
-fn copied<T: Copy>(what: &'static str, all: &[T]) -> Result<Vec<T>, Error> {
-    memory::collected(what, all.len(), all.iter().copied())
 }
 
 /// The forces on one body.

@@ -1,6 +1,6 @@
 //! Linear damping: the torque `-D omega`.
 
-use crate::error::Error;
+use crate::error::{Error, refuse};
 use crate::real::Real;
 
 /// Entries 11, 22, 33, 23, 31, 12 of the matrix `D`.
@@ -30,15 +30,14 @@ impl Damping {
     /// # Errors
     /// Naming the matrix and the rule.
     pub fn check(&self) -> Result<(), Error> {
-        let refuse = |value: String, rule| Err(Error::Value { argument: "damping", value, rule });
         if !self.0.iter().all(|x| x.is_finite()) {
-            return refuse(format!("{:?}", self.0), "must be finite");
+            return refuse("damping", format_args!("{:?}", self.0), "must be finite");
         }
         let [least, .., largest] = self.rates([1.0; 3]);
         // The error of an eigenvalue is a few roundings of the largest one.
         if least < -8.0 * f64::EPSILON * largest.abs().max(least.abs()) {
             let rule = "must be positive semi-definite, so that damping cannot add energy";
-            return refuse(format!("{:?}", self.matrix()), rule);
+            return refuse("damping", format_args!("{:?}", self.matrix()), rule);
         }
         Ok(())
     }
@@ -64,9 +63,8 @@ impl Damping {
         if trace.is_finite() {
             return Ok(());
         }
-        let (value, rule) =
-            (format!("a rate of {trace} 1/s"), "damping over moment must be below 1.8e308 1/s");
-        Err(Error::Value { argument: "damping", value, rule })
+        let rule = "damping over moment must be below 1.8e308 1/s";
+        refuse("damping", format_args!("a rate of {trace} 1/s"), rule)
     }
 
     /// Damping rates of a body with these moments without torque, ascending: the eigenvalues of `I^(-1/2) D I^(-1/2)`.

@@ -1,6 +1,7 @@
 //! A torque that a function of the user returns, known by its address.
 
-use crate::error::Error;
+use super::body_rows::BodyRows;
+use crate::error::{Error, refuse};
 use crate::kinematics::{attitude_of_rows, dot, squared_length};
 use crate::memory;
 use crate::real::Real;
@@ -67,16 +68,14 @@ pub struct Code {
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorqueFunction {
     code: Code,
-    /// Rows of `width` numbers: one for all bodies, or one for each; none without numbers.
-    data: Vec<f64>,
-    width: usize,
-    /// What a torque is multiplied by to be counted in the unit of the moments: one for all bodies, or one for each.
-    units: Vec<f64>,
+    /// The numbers that it is given; no rows without numbers.
+    data: BodyRows<f64>,
+    /// What a torque is multiplied by to be counted in the unit of the moments.
+    units: BodyRows<f64>,
     /// A bound of |omega| under this torque, 0 if none is known.
     fastest: f64,
-    /// The states at the start, in rows of `states` numbers: one for all bodies, or one for each.
-    starts: Vec<f64>,
-    states: usize,
+    /// The states at the start.
+    starts: BodyRows<f64>,
 }
 
 /// The function of one body. It borrows the numbers that the function reads.
@@ -111,18 +110,17 @@ impl TorqueFunction {
         fastest: f64,
     ) -> Result<TorqueFunction, Error> {
         if code.address == 0 {
-            let (value, rule) = (
-                "a function".to_string(),
-                "its address is not known here, because no file has it; give the scene again",
-            );
-            return Err(Error::Value { argument: "torque", value, rule });
+            let rule = "its address is not known here, because no file has it; give the scene again";
+            return refuse("torque", "a function", rule);
         }
-        let made = TorqueFunction { code, data, width, units, fastest, starts: Vec::new(), states: 0 };
-        let (rows, bodies) = (made.rows(), made.bodies());
+        let (data, units) = (BodyRows::of_width(data, width), BodyRows::of_width(units, 1));
+        let made = TorqueFunction { code, data, units, fastest, starts: BodyRows::of_width(Vec::new(), 0) };
+        let (rows, bodies) = (made.data.len(), made.bodies());
         let fits = |count: usize| count == bodies || count <= 1;
-        let whole = made.data.len() == rows * width && !made.units.is_empty();
+        let whole = made.data.are_whole() && made.units.len() > 0;
         if !(whole && fits(rows) && fits(made.units.len())) {
-            let (expected, got) = (format!("({bodies}, {width})"), format!("{} numbers", made.data.len()));
+            let got = format!("{} numbers", made.data.values.len());
+            let expected = format!("({bodies}, {width})");
             return Err(Error::Shape { argument: "data", expected, got });
         }
         Ok(made)
@@ -133,82 +131,48 @@ impl TorqueFunction {
     /// # Errors
     /// If they are more than `MOST_STATES`, do not fit, or belong to a function that is not told them.
     pub fn with_states(self, starts: Vec<f64>, states: usize) -> Result<TorqueFunction, Error> {
-        let made = TorqueFunction { starts, states, ..self };
-        let (rows, bodies) = (made.start_rows(), made.bodies());
-        let fits = made.starts.len() == rows * states && (rows == bodies || rows == usize::from(states > 0));
+        let made = TorqueFunction { starts: BodyRows::of_width(starts, states), ..self };
+        let (rows, bodies) = (made.starts.len(), made.bodies());
+        let fits = made.starts.are_whole() && (rows == bodies || rows == usize::from(states > 0));
         if !fits || states > MOST_STATES || (states > 0 && !made.code.is_long) {
-            let (expected, got) = (format!("({bodies}, {states})"), format!("{} numbers", made.starts.len()));
+            let got = format!("{} numbers", made.starts.values.len());
+            let expected = format!("({bodies}, {states})");
             return Err(Error::Shape { argument: "states", expected, got });
         }
         Ok(made)
     }
 
-    fn rows(&self) -> usize {
-        self.data.len().checked_div(self.width).unwrap_or(0)
-    }
-
-    fn start_rows(&self) -> usize {
-        self.starts.len().checked_div(self.states).unwrap_or(0)
-    }
-
     /// The number of bodies whose function it is; 1 if it serves all alike.
     pub fn bodies(&self) -> usize {
-        self.rows().max(self.units.len()).max(self.start_rows())
+        self.data.len().max(self.units.len()).max(self.starts.len())
     }
 
     /// How many states each body has.
     pub fn states(&self) -> usize {
-        self.states
+        self.starts.width
     }
 
     /// The function of one of the bodies.
     pub fn of(&self, body: usize) -> TorqueCall<'_> {
-        let row = if self.rows() > 1 { body } else { 0 };
-        let data = (self.rows() > 0).then(|| &self.data[self.width * row..][..self.width]);
-        let unit = self.units[if self.units.len() > 1 { body } else { 0 }];
-        let row = if self.start_rows() > 1 { body } else { 0 };
-        let start = &self.starts[self.states * row..][..self.states];
+        let data = Some(self.data.of(body)).filter(|data| !data.is_empty());
+        let (unit, start) = (self.units.of(body)[0], self.starts.of(body));
         TorqueCall { code: self.code, data, unit, fastest: self.fastest, start, begin: 0.0 }
     }
 
     /// How many numbers the function is given for each body.
     pub fn width(&self) -> usize {
-        self.width
+        self.data.width
     }
 
-    /// The function of some bodies, in this order; one that serves all stays.
+    /// The function of some bodies, in this order, or of all; one that serves all stays.
     ///
     /// # Errors
     /// If the numbers do not fit into memory.
-    pub fn of_some(&self, bodies: &[usize]) -> Result<TorqueFunction, Error> {
-        let row = |&body: &usize| self.data[self.width * body..][..self.width].iter().copied();
-        let start = |&body: &usize| self.starts[self.states * body..][..self.states].iter().copied();
+    pub fn of_some(&self, bodies: Option<&[usize]>) -> Result<TorqueFunction, Error> {
         Ok(TorqueFunction {
-            data: match self.rows() {
-                0 | 1 => memory::collected(DATA, self.data.len(), self.data.iter().copied())?,
-                _ => memory::collected(DATA, self.width * bodies.len(), bodies.iter().flat_map(row))?,
-            },
-            units: match &self.units[..] {
-                [one] => memory::collected(DATA, 1, [*one])?,
-                all => memory::collected(DATA, bodies.len(), bodies.iter().map(|&body| all[body]))?,
-            },
-            starts: match self.start_rows() {
-                0 | 1 => memory::collected(DATA, self.starts.len(), self.starts.iter().copied())?,
-                _ => memory::collected(DATA, self.states * bodies.len(), bodies.iter().flat_map(start))?,
-            },
-            ..*self
-        })
-    }
-
-    /// The same function.
-    ///
-    /// # Errors
-    /// If its numbers do not fit into memory once more.
-    pub fn copied(&self) -> Result<TorqueFunction, Error> {
-        Ok(TorqueFunction {
-            data: memory::collected(DATA, self.data.len(), self.data.iter().copied())?,
-            units: memory::collected(DATA, self.units.len(), self.units.iter().copied())?,
-            starts: memory::collected(DATA, self.starts.len(), self.starts.iter().copied())?,
+            data: self.data.of_some(DATA, bodies)?,
+            units: self.units.of_some(DATA, bodies)?,
+            starts: self.starts.of_some(DATA, bodies)?,
             ..*self
         })
     }
@@ -694,9 +658,9 @@ mod tests {
         assert_eq!(made.bodies(), 2);
         assert_eq!(torque(&made, 0), [2.0, 2.5, 0.5]);
         assert_eq!(torque(&made, 1), [2.0, 3.5, 0.5]);
-        let some = made.of_some(&[1]).unwrap();
+        let some = made.of_some(Some(&[1])).unwrap();
         assert_eq!((some.bodies(), torque(&some, 0)), (1, [2.0, 3.5, 0.5]));
-        assert_eq!(made.copied().unwrap(), made);
+        assert_eq!(made.of_some(None).unwrap(), made);
         assert_eq!(torque(&function(vec![], 0, vec![1.0]).unwrap(), 4), [4.0, 9.0, 1.0]);
     }
 
@@ -776,14 +740,14 @@ mod tests {
         let code = Code { address: told_long as *const () as usize, is_long: true, ..OF_ONE };
         // SAFETY: the function is of this type.
         let made = unsafe { TorqueFunction::new(code, vec![], 0, vec![0.5], 0.0) }.unwrap();
-        assert!(made.copied().unwrap().with_states(vec![1.0; 9], 9).is_err());
-        assert!(made.copied().unwrap().with_states(vec![1.0; 3], 2).is_err());
+        assert!(made.of_some(None).unwrap().with_states(vec![1.0; 9], 9).is_err());
+        assert!(made.of_some(None).unwrap().with_states(vec![1.0; 3], 2).is_err());
         let made = made.with_states(vec![3.0, 4.0, 5.0, 6.0], 2).unwrap();
         assert_eq!(
             (made.bodies(), made.states(), made.of(1).start()[..3].to_vec()),
             (2, 2, vec![5.0, 6.0, 0.0])
         );
-        let (some, both) = (made.of_some(&[1]).unwrap(), made.copied().unwrap());
+        let (some, both) = (made.of_some(Some(&[1])).unwrap(), made.of_some(None).unwrap());
         assert_eq!((some.of(0), both.of(0).has_states()), (made.of(1), true));
         let mut rows = TorqueRows::with_room(0).unwrap();
         rows.set(2, Some(made.of(1)));

@@ -10,6 +10,7 @@
 //! body at a time, in kernels of its own.
 
 mod bodies;
+mod body_rows;
 mod damping;
 mod dissipation;
 mod drag;
@@ -38,7 +39,7 @@ pub use table::{Samples, Table, add_space_torque, spline};
 pub use trajectory::{Trajectory, TrajectorySeries};
 
 use crate::dual::Dual;
-use crate::error::Error;
+use crate::error::{Error, refuse};
 use crate::kinematics::length;
 use crate::real::{Pack, Real};
 use crate::series::Coefficients;
@@ -208,8 +209,7 @@ macro_rules! forces {
                 let further = Further::of(numbers);
                 $(
                     if let Some(bad) = further.$name.0.iter().find(|x| !x.is_finite()) {
-                        let (value, rule) = (bad.to_string(), "must be finite");
-                        return Err(Error::Value { argument: stringify!($name), value, rule });
+                        return refuse(stringify!($name), bad, "must be finite");
                     }
                     further.$name.check()?;
                 )*
@@ -422,8 +422,7 @@ fn range(moments: [f64; 3]) -> [f64; 2] {
 /// Refuses negative coefficients.
 fn not_negative(argument: &'static str, coefficients: [f64; 3]) -> Result<(), Error> {
     if coefficients.iter().any(|&c| c < 0.0) {
-        let (value, rule) = (format!("{coefficients:?}"), "must not be negative");
-        return Err(Error::Value { argument, value, rule });
+        return refuse(argument, format_args!("{coefficients:?}"), "must not be negative");
     }
     Ok(())
 }

@@ -10,7 +10,7 @@
 
 use super::{AtStart, Bounded, Force, Order, Pace, length, range};
 use crate::dual::Dual;
-use crate::error::Error;
+use crate::error::{Error, refuse};
 use crate::kinematics::{cross, direction, dot, put, to_body_frame};
 use crate::real::{Outlined, Real};
 use crate::series::{Coefficients, VectorSeries};
@@ -479,13 +479,13 @@ impl Bounded for Orbit<f64> {
         let [closed, open] = Orbit::OF_PARABOLA;
         if !(0.0..=closed).contains(&e) && !(open..=Orbit::MOST_ECCENTRIC).contains(&e) {
             let rule = "must be from 0 to 0.95, or from 1.05 to 1e6: near a parabola the anomaly does not tell the place";
-            return Err(Error::Value { argument: "eccentricity", value: e.to_string(), rule });
+            return refuse("eccentricity", e, rule);
         }
         let ([a, b], minor) = (self.semi_axes(), self.semi_minor());
         let off = [dot(&a, &a) - 1.0, dot(&b, &b) / (minor * minor) - 1.0, dot(&a, &b) / minor];
         if off.iter().any(|x| x.abs() > 1e-12) {
-            let (value, rule) = (format!("{a:?}"), "must be a unit vector across the normal of the orbit");
-            return Err(Error::Value { argument: "periapsis", value, rule });
+            let rule = "must be a unit vector across the normal of the orbit";
+            return refuse("periapsis", format_args!("{a:?}"), rule);
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! What acts on bodies besides weight, as a set. The set decides which variables are integrated, and by which methods.
 
 use super::BodyForces;
-use crate::error::Error;
+use crate::error::{Error, refuse};
 
 /// The forces on a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,7 +52,7 @@ impl ForceSet {
             return Ok(());
         }
         let rule = "has no derivative: deviation vectors are not integrated under the torque of a function";
-        Err(Error::Value { argument: "torque", value: "a function".to_string(), rule })
+        refuse("torque", "a function", rule)
     }
 }
 

@@ -2,7 +2,7 @@
 //! times, and the trajectory whose gravity gradient acts, a cubic spline.
 
 use super::Trajectory;
-use crate::error::Error;
+use crate::error::{Error, refuse};
 use crate::kinematics::{direction, dot};
 use crate::memory;
 use crate::real::Real;
@@ -65,7 +65,6 @@ pub fn add_space_torque<R: Real, const D: usize>(torque: &[R; 3], y: &[R; D], su
 /// # Errors
 /// If a number is not finite, if the times descend, or if there is not one value for each time.
 pub(super) fn check(times: &[f64], body: &[[f64; 3]], space: &[[f64; 3]]) -> Result<(), Error> {
-    let refuse = |argument, value: String, rule| Err(Error::Value { argument, value, rule });
     let wanted = times.len().max(1);
     for values in [body, space] {
         let is_missing = values.is_empty() && !times.is_empty();
@@ -74,20 +73,20 @@ pub(super) fn check(times: &[f64], body: &[[f64; 3]], space: &[[f64; 3]]) -> Res
             return Err(Error::Shape { argument: "torque", expected, got });
         }
         if let Some(&bad) = values.iter().flatten().find(|x| !x.is_finite()) {
-            return refuse("torque", bad.to_string(), "must be finite");
+            return refuse("torque", bad, "must be finite");
         }
     }
     if let Some(&bad) = times.iter().find(|x| !x.is_finite()) {
-        return refuse("torque times", bad.to_string(), "must be finite");
+        return refuse("torque times", bad, "must be finite");
     }
     if let Some(pair) = times.windows(2).find(|pair| pair[1] < pair[0]) {
-        return refuse("torque times", format!("{pair:?}"), "must be ascending");
+        return refuse("torque times", format_args!("{pair:?}"), "must be ascending");
     }
     if let Some(three) = times.windows(3).find(|three| three[0] == three[2]) {
-        return refuse("torque times", format!("{three:?}"), "at most two values may share a time");
+        return refuse("torque times", format_args!("{three:?}"), "at most two values may share a time");
     }
     if times.len() == 1 {
-        return refuse("torque times", times[0].to_string(), "a table has at least two times");
+        return refuse("torque times", times[0], "a table has at least two times");
     }
     Ok(())
 }
@@ -107,12 +106,11 @@ pub(super) fn check_smooth(
         return Err(Error::Shape { argument, expected, got });
     }
     if let Some(&bad) = values.iter().flatten().chain(times).find(|x| !x.is_finite()) {
-        return Err(Error::Value { argument, value: bad.to_string(), rule: "must be finite" });
+        return refuse(argument, bad, "must be finite");
     }
     match times.windows(2).find(|pair| !(pair[0] < pair[1])) {
         Some(pair) => {
-            let (value, rule) = (format!("{pair:?}"), "the times of its table must ascend, without a jump");
-            Err(Error::Value { argument, value, rule })
+            refuse(argument, format_args!("{pair:?}"), "the times of its table must ascend, without a jump")
         }
         None => Ok(()),
     }
@@ -122,9 +120,7 @@ impl<'a, T> Samples<'a, T> {
     /// Raises an error for a time outside the table, where the values are unknown.
     fn check_reaches(&self, time: f64, rule: &'static str) -> Result<(), Error> {
         match (self.times.first(), self.times.last()) {
-            (Some(&first), Some(&last)) if !(first <= time && time <= last) => {
-                Err(Error::Value { argument: "t", value: time.to_string(), rule })
-            }
+            (Some(&first), Some(&last)) if !(first <= time && time <= last) => refuse("t", time, rule),
             _ => Ok(()),
         }
     }
@@ -379,7 +375,7 @@ pub fn spline(times: &[f64], samples: &[[f64; 3]]) -> Result<Vec<Knot>, Error> {
         let [a, b] = [two[0], two[1]];
         if !(dot(&a, &b) >= NEAR * (dot(&a, &a) * dot(&b, &b)).sqrt()) {
             let rule = "between these times the direction from the planet turns by more than 45 degrees: the table tells too few positions";
-            return Err(Error::Value { argument: "orbit", value: format!("{pair:?}"), rule });
+            return refuse("orbit", format_args!("{pair:?}"), rule);
         }
     }
     let slopes = slopes(SPLINE, times, samples)?;

@@ -143,8 +143,8 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
             store_rows(&y, &mut g.state, at);
             if is_observed {
                 let begin = (P::load(&g.count.0[at..]) + P::splat(i as f64)) * p.step;
-                let segment = Segment { begin, before: &before, after: &y, dense: &dense };
-                observed.after_step::<P, M, L, S, D>(engine, p, &mut g.observed, at, &segment);
+                let segment = Segment { engine, p, begin, before: &before, after: &y, dense: &dense };
+                observed.after_step::<P, M, L, S, D>(&mut g.observed, at, &segment);
             }
             if const { S::SHARES_MOTION } {
                 for rows in &mut g.further {

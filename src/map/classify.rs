@@ -3,9 +3,7 @@
 use super::{Class, Criterion, Observation, Outcome};
 use crate::body::Body;
 use crate::exact::derived::is_on_separatrix;
-use crate::exact::{
-    CanonicalForm, ClosedForm, Evaluator, EvaluatorKind, ExitRows, Question, StartRows, depths, versines,
-};
+use crate::exact::{CanonicalForm, ClosedForm, Evaluator, Exit, Question, StartRows, depths, versines};
 use crate::observe::Observed;
 use crate::simd::Isa;
 use crate::simd::{LANES, Row};
@@ -16,25 +14,18 @@ use crate::status::Status;
 const DOUBT: f64 = 1e-14;
 
 /// When a sample leaves stability.
-enum Exit {
+enum Leaving {
     /// At this time, which is known without the motion: at once, or never.
     At(f64),
-    /// Where the motion crosses a limit.
-    Crossing {
-        /// Observed component, in the variables of the closed form.
-        axis: usize,
-        /// 1 - cos and 1 + cos of the limit, measured to the centre of mass.
-        limit: [f64; 2],
-        /// The direction in which the limit is crossed.
-        direction: f64,
-    },
+    /// Where the motion crosses a limit, in the variables of the closed form.
+    Crossing(Exit<f64>),
 }
 
-impl Exit {
+impl Leaving {
     /// The exit of a body of a map, if its time has a closed form.
     #[inline(always)]
-    fn of(map: Observation<'_>, body: &Body, form: &CanonicalForm) -> Option<Exit> {
-        const NEVER: Option<Exit> = Some(Exit::At(f64::INFINITY));
+    fn of(map: Observation<'_>, body: &Body, form: &CanonicalForm) -> Option<Leaving> {
+        const NEVER: Option<Leaving> = Some(Leaving::At(f64::INFINITY));
         let observed = (map.axis.unsigned_abs() as usize).max(1) - 1;
         let axis = form.axis(observed);
         // The plan of a map depends on the moments and the weight only, so it cannot treat a top at rest separately.
@@ -44,7 +35,7 @@ impl Exit {
             (criterion, _) if !map.scene.has_weight && criterion.is_kept_without_torque() => NEVER,
             (Criterion::NoFlip, ClosedForm::PermanentRotation) if !map.scene.has_weight || symmetric => NEVER,
             (Criterion::NoFlip, ClosedForm::Symmetric | ClosedForm::Asymmetric) => {
-                Some(Exit::Crossing { axis, limit: [0.0; 2], direction: 1.0 })
+                Some(Leaving::Crossing(Exit { axis: axis as f64, limit: [0.0; 2], direction: 1.0 }))
             }
             (Criterion::NoFlip, ClosedForm::Lagrange) if axis == 2 => NEVER,
             (Criterion::TiltFromVertical(angle), ClosedForm::Lagrange | ClosedForm::PermanentRotation)
@@ -54,14 +45,14 @@ impl Exit {
                 let [w, rest] = versines(angle);
                 let (limit, direction) = if along { ([w, rest], 1.0) } else { ([rest, w], -1.0) };
                 if form.closed_form == ClosedForm::Lagrange {
-                    return Some(Exit::Crossing { axis, limit, direction });
+                    return Some(Leaving::Crossing(Exit { axis: axis as f64, limit, direction }));
                 }
                 let mut now = depths(body, observed);
                 if !along {
                     now.reverse();
                 }
                 let is_past = if w <= 1.0 { now[0] > w } else { now[1] < rest };
-                if is_past { Some(Exit::At(0.0)) } else { NEVER }
+                if is_past { Some(Leaving::At(0.0)) } else { NEVER }
             }
             _ => None,
         }
@@ -73,7 +64,7 @@ pub(super) fn answers(map: Observation<'_>, body: &Body) -> bool {
     if map.criterion.rule().is_some() {
         return is_integrable(body);
     }
-    CanonicalForm::of(body).is_some_and(|form| Exit::of(map, body, &form).is_some())
+    CanonicalForm::of(body).is_some_and(|form| Leaving::of(map, body, &form).is_some())
 }
 
 /// Whether all motions of such a body are regular by theorem.
@@ -84,8 +75,9 @@ fn is_integrable(body: &Body) -> bool {
 /// Samples of one closed form, collected for a full register.
 struct Waiting {
     evaluator: Evaluator,
+    isa: Isa,
     starts: StartRows,
-    exits: ExitRows,
+    exits: Exit<Row>,
     indices: [usize; LANES],
     filled: usize,
 }
@@ -116,36 +108,29 @@ impl<'a> ClosedFormClassifier<'a> {
             return is_known;
         }
         let Some(form) = CanonicalForm::of(body) else { return false };
-        let (axis, limit, direction) = match Exit::of(self.map, body, &form) {
+        let exit = match Leaving::of(self.map, body, &form) {
             None => return false,
-            Some(Exit::At(left)) => {
+            Some(Leaving::At(left)) => {
                 outcomes[index] = Some(outcome(self.map, left));
                 return true;
             }
-            Some(Exit::Crossing { axis, limit, direction }) => (axis, limit, direction),
+            Some(Leaving::Crossing(exit)) => exit,
         };
-        let kind = form.kind();
-        let isa = self.isa;
-        let waiting = self.waiting[kind as usize].get_or_insert_with(|| {
-            let nothing = Row([0.0; LANES]);
-            Waiting {
-                evaluator: Evaluator::new(kind, isa),
-                starts: StartRows::filled(&form.to_canonical(body)),
-                exits: ExitRows { axis: nothing, limit: [nothing; 2], direction: nothing },
-                indices: [0; LANES],
-                filled: 0,
-            }
+        let (evaluator, isa) = (form.evaluator(), self.isa);
+        let waiting = self.waiting[evaluator as usize].get_or_insert_with(|| Waiting {
+            evaluator,
+            isa,
+            starts: StartRows::filled(&form.to_canonical(body)),
+            exits: Exit::ZERO,
+            indices: [0; LANES],
+            filled: 0,
         });
         let lane = waiting.filled;
-        match kind {
-            EvaluatorKind::Free => waiting.starts.set(lane, body),
+        match evaluator {
+            Evaluator::Free => waiting.starts.set(lane, body),
             _ => waiting.starts.set(lane, &form.to_canonical(body)),
         }
-        waiting.exits.axis.0[lane] = axis as f64;
-        for (row, limit) in waiting.exits.limit.iter_mut().zip(limit) {
-            row.0[lane] = limit;
-        }
-        waiting.exits.direction.0[lane] = direction;
+        waiting.exits.set(lane, exit);
         waiting.indices[lane] = index;
         waiting.filled += 1;
         if waiting.filled == LANES {
@@ -163,8 +148,8 @@ impl<'a> ClosedFormClassifier<'a> {
 }
 
 fn classify(map: Observation<'_>, waiting: &mut Waiting, outcomes: &mut [Option<Outcome>]) {
-    let mut times = Row([0.0; LANES]);
-    waiting.evaluator.exits(&waiting.starts, &waiting.exits, &mut times);
+    let mut times = Row::ZERO;
+    waiting.evaluator.exits(waiting.isa, &waiting.starts, &waiting.exits, &mut times);
     for (lane, &index) in waiting.indices[..waiting.filled].iter().enumerate() {
         outcomes[index] = Some(outcome(map, times.0[lane]));
     }

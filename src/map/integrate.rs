@@ -5,13 +5,12 @@ use super::observation::RUNS;
 use super::regular::{self, Checkpoints};
 use super::{Class, Observation, OnOrbit, Outcome, STEP_BLOCK};
 use crate::body::Body;
+use crate::call::Call;
 use crate::error::Error;
 use crate::forces::{BodyForces, ForcesInterval, Modes, OrbitPlace};
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, Kernel, drive, load, reset_time};
 use crate::memory;
 use crate::observe::{Bound, Deviation, EXIT_TIME, Observed};
-use crate::parallel::Interrupt;
-use crate::simd::Isa;
 use crate::simd::LANES;
 use crate::status::{DRIFT_LIMIT, Status};
 
@@ -52,8 +51,7 @@ impl Leg {
 pub(super) struct Run<'a> {
     /// By the second method.
     pub(super) cross_check: bool,
-    pub(super) isa: Isa,
-    pub(super) interrupt: &'a Interrupt<'a>,
+    pub(super) call: Call<'a>,
 }
 
 impl Observation<'_> {
@@ -85,7 +83,7 @@ impl Observation<'_> {
                 first,
                 samples: samples.iter(),
                 run,
-                compiled: Compiled::new(*kernel, run.isa),
+                compiled: Compiled::new(*kernel, run.call.isa),
                 group: Group::inactive(),
                 forces_rows: ForcesRows::with_room(self.function_width())?,
                 target: [f64::INFINITY; LANES],
@@ -219,7 +217,7 @@ impl<'a> MapJob<'a> {
         let modes = forces.damping.modes(body.moments);
         let interval = (!forces.is_none()).then(|| {
             let interval = apply(&mut self.forces_rows, lane, forces, (0.0, modes));
-            interval.with_functions(self.forces_rows.functions.of(lane))
+            ForcesInterval { functions: self.forces_rows.functions.of(lane), ..interval }
         });
         let rate = || match on_orbit {
             Some(on_orbit) => on_orbit.rate * times as f64,
@@ -307,7 +305,7 @@ impl Job for MapJob<'_> {
         };
         // Each round counts its steps, which lead to the least target.
         loop {
-            if self.run.interrupt.is_wanted() {
+            if self.run.call.stop.is_wanted() {
                 return Err(Error::Stopped);
             }
             self.compiled.advance(&mut self.group, &self.forces_rows, steps as usize);

@@ -1,6 +1,6 @@
 //! Confidence intervals of shares.
 
-use crate::error::Error;
+use crate::error::{Error, refuse};
 use crate::memory;
 use crate::parallel::Interrupt;
 use crate::special::inverse_incomplete_beta;
@@ -16,15 +16,14 @@ const MOST_TRIALS: u64 = 1 << 50;
 /// # Errors
 /// Naming the argument.
 pub fn clopper_pearson(successes: u64, trials: u64, confidence: f64) -> Result<[f64; 2], Error> {
-    let refuse = |argument, value, rule| Err(Error::Value { argument, value, rule });
     if !(confidence > 0.0 && confidence < 1.0) {
-        return refuse("confidence", confidence.to_string(), "must lie between 0 and 1");
+        return refuse("confidence", confidence, "must lie between 0 and 1");
     }
     if trials > MOST_TRIALS {
-        return refuse("trials", trials.to_string(), "must be at most 2^50");
+        return refuse("trials", trials, "must be at most 2^50");
     }
     if successes > trials {
-        return refuse("successes", format!("{successes} of {trials}"), "must be at most the trials");
+        return refuse("successes", format_args!("{successes} of {trials}"), "must be at most the trials");
     }
     if trials == 0 {
         return Ok([f64::NAN; 2]);

@@ -5,8 +5,8 @@
 //! where the others decide (S. C. Kleene, Introduction to Metamathematics, 1952, § 64).
 
 use super::statistics::Sample;
-use super::{Class, Criterion, Outcome};
-use crate::error::Error;
+use super::{Class, Criterion, Outcome, Verdict};
+use crate::error::{Error, refuse};
 use crate::status::Status;
 
 /// What is observed of a sample, and of which body axis.
@@ -46,7 +46,7 @@ impl Logic {
     /// # Errors
     /// If the text is no logic of that many conditions, each of which occurs.
     pub fn parse(text: &str, conditions: usize) -> Result<Logic, Error> {
-        let refuse = |rule| Err(Error::Value { argument: "logic", value: format!("'{text}'"), rule });
+        let refuse = |rule| refuse("logic", format_args!("'{text}'"), rule);
         if !(1..=MOST_CONDITIONS).contains(&conditions) {
             return refuse("must join 1 to 16 conditions");
         }
@@ -119,7 +119,7 @@ impl Logic {
     }
 
     /// The class and the outcome of a sample from those of its conditions, by both methods.
-    pub(super) fn joined(&self, samples: &[Sample]) -> Joined {
+    pub(super) fn joined(&self, samples: &[Sample]) -> Verdict {
         let holds = self.holds(|number| match samples[number].class {
             Class::Stable => Some(true),
             Class::Unstable => Some(false),
@@ -157,16 +157,8 @@ impl Logic {
         let left_again = self.left(&times[..samples.len()]);
         let second = second.map(|second| Outcome { left: left_again, ..second });
         let audited = samples.iter().any(|sample| sample.audited);
-        Joined { class, first: Outcome { class, status, left, ..first }, second, audited }
+        Verdict { class, first: Outcome { class, status, left, ..first }, second, audited }
     }
-}
-
-/// A sample whose conditions are joined.
-pub(super) struct Joined {
-    pub(super) class: Class,
-    pub(super) first: Outcome,
-    pub(super) second: Option<Outcome>,
-    pub(super) audited: bool,
 }
 
 impl Outcome {

@@ -3,11 +3,10 @@
 use super::integrate::Run;
 use super::statistics::Sample;
 use super::{Class, Criterion, Map, Observation, Outcome};
-use crate::error::Error;
+use crate::call::Call;
+use crate::error::{Error, refuse};
 use crate::memory;
 use crate::observe::{Direction, Tilt};
-use crate::parallel::Interrupt;
-use crate::simd::Isa;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -112,11 +111,8 @@ impl Measure {
         let (quantity, observed) = if let Some((criterion, quantity)) = of_criterion {
             let criterion = Criterion::parse(criterion, numbers)?;
             if criterion.bound().is_none_or(|bound| Tilt::of(bound).is_some()) {
-                let (value, rule) = (
-                    name.to_string(),
-                    "must be of a rate, an angle of the orbit, or a distance from the start",
-                );
-                return Err(Error::Value { argument: "measure", value, rule });
+                let rule = "must be of a rate, an angle of the orbit, or a distance from the start";
+                return refuse("measure", name, rule);
             }
             (quantity, Some(criterion))
         } else if let Some((_, quantity)) = NAMES.into_iter().find(|(known, _)| *known == name) {
@@ -128,8 +124,7 @@ impl Measure {
         let measure = Measure { quantity, axis, observed };
         let least = u32::from(observed.is_some_and(Criterion::has_axis));
         if !(least..=3).contains(&axis.unsigned_abs()) {
-            let rule = "must be 1, 2, 3 or -1, -2, -3";
-            return Err(Error::Value { argument: "axis", value: axis.to_string(), rule });
+            return refuse("axis", axis, "must be 1, 2, 3 or -1, -2, -3");
         }
         Ok(measure)
     }
@@ -203,12 +198,7 @@ pub(super) struct Own {
 impl Map {
     /// What the runs of the measures tell of a range of samples; an empty list for a measure that has no run. A second run
     /// repeats those of the samples that are checked: of all if verdicts choose which.
-    pub(super) fn measured(
-        &self,
-        range: Range<u64>,
-        isa: Isa,
-        interrupt: &Interrupt,
-    ) -> Result<Vec<Vec<Option<Own>>>, Error> {
+    pub(super) fn measured(&self, range: Range<u64>, call: Call) -> Result<Vec<Vec<Option<Own>>>, Error> {
         const MEASURES: &str = "measures of a block";
         let mut all = memory::reserved(MEASURES, self.measures.len())?;
         let (mut samples, mut checked) = (Vec::new(), Vec::new());
@@ -219,7 +209,7 @@ impl Map {
                 continue;
             };
             if bodies.is_empty() {
-                bodies = self.draw(isa, range.clone())?;
+                bodies = self.draw(call.isa, range.clone())?;
                 for (index, place) in self.pixels_and_samples(range.clone()).enumerate() {
                     if !self.pixels[place.0 as usize].possible {
                         continue;
@@ -232,7 +222,7 @@ impl Map {
             }
             let mut outcomes = memory::filled(MEASURES, bodies.len(), None)?;
             let observation = Observation { map: self, criterion, axis: measure.axis, is_stopped: false };
-            let run = Run { cross_check: false, isa, interrupt };
+            let run = Run { cross_check: false, call };
             observation.integrate((&bodies, range.start), &samples, run, &mut outcomes)?;
             let mut again = memory::filled(MEASURES, bodies.len(), None::<Outcome>)?;
             let run = Run { cross_check: true, ..run };

@@ -25,7 +25,7 @@ pub use measure::{Measure, Quantity, Value};
 pub use regular::{DEVIATIONS, PARTS, Rule, SECOND as SECOND_OF_GROWTH, deviation_start};
 pub use request::{Map, Pixel};
 pub use sketch::{Bin, Sketch};
-pub use statistics::{Class, Column, FIXED_POINT, Field, Outcome, Statistics};
+pub use statistics::{Class, Column, FIXED_POINT, Field, Outcome, Statistics, Verdict};
 pub use steps::PlannedRun;
 
 use observation::{Observation, OnOrbit};
@@ -33,12 +33,6 @@ use observation::{Observation, OnOrbit};
 /// A sample takes whole blocks of this many steps and may stop after each. What is observed at the ends of blocks then
 /// depends on the sample alone, whoever shares its group.
 pub const STEP_BLOCK: u64 = 16;
-
-/// The class of a sample, the outcome of its first run, and that of its second.
-pub type Verdict = (Class, Outcome, Option<Outcome>);
-
-/// The verdict of a sample that was not run.
-pub const NO_VERDICT: Verdict = (Class::Failed, Outcome::REFUSED, None);
 
 /// The class of a condition of a sample, and the time at which its first run left it.
 pub type ConditionVerdict = (Class, f64);

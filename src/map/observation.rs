@@ -6,14 +6,13 @@ use super::integrate::Run;
 use super::statistics::Sample;
 use super::{Class, Criterion, Map, Outcome, regular};
 use crate::body::Body;
+use crate::call::Call;
 use crate::error::Error;
 use crate::forces::{BodyForces, ForceSet, OrbitPlace};
 use crate::kernel::{Kernel, KernelAssignment, Needs, System};
 use crate::memory;
 use crate::method::{Method, Step};
 use crate::observe::{Observed, Tilt};
-use crate::parallel::Interrupt;
-use crate::simd::Isa;
 use std::ops::{Deref, Range};
 
 /// What the lists of samples of a block are called if they do not fit into memory.
@@ -105,17 +104,12 @@ impl Observation<'_> {
     }
 
     /// The samples of a range with their outcomes, and those of the groups of samples that the range touches.
-    pub(super) fn classified(
-        &self,
-        range: Range<u64>,
-        isa: Isa,
-        interrupt: &Interrupt,
-    ) -> Result<Classified, Error> {
+    pub(super) fn classified(&self, range: Range<u64>, call: Call) -> Result<Classified, Error> {
         let range = self.with_groups(range);
-        let bodies = self.draw(isa, range.clone())?;
+        let bodies = self.draw(call.isa, range.clone())?;
         let unknown = || memory::filled("outcomes of a block", bodies.len(), None::<Outcome>);
         let mut outcomes = [unknown()?, Vec::new()];
-        let mut classifier = ClosedFormClassifier::new(*self, isa);
+        let mut classifier = ClosedFormClassifier::new(*self, call.isa);
         let mut integrated = Vec::new();
         for (index, (pixel, _)) in self.pixels_and_samples(range.clone()).enumerate() {
             if !self.pixels[pixel as usize].possible {
@@ -133,7 +127,7 @@ impl Observation<'_> {
         if !integrated.is_empty() {
             let [first, second] = &mut outcomes;
             *second = unknown()?;
-            let (starts, run) = ((&bodies[..], range.start), Run { cross_check: false, isa, interrupt });
+            let (starts, run) = ((&bodies[..], range.start), Run { cross_check: false, call });
             self.integrate(starts, &integrated, run, first)?;
             let runs =
                 Runs { range: range.clone(), bodies: &bodies, integrated: &integrated, outcomes: first };

@@ -3,7 +3,7 @@
 use super::check::GROUP;
 use super::{Check, Condition, Criterion, Distributions, Logic, Measure, Mixed};
 use crate::body::Body;
-use crate::error::Error;
+use crate::error::{Error, refuse};
 use crate::exact::Question;
 use crate::forces::{BodyForces, ForceSet, Forces};
 use crate::kernel::System;
@@ -68,15 +68,14 @@ impl Map {
     /// # Errors
     /// Naming the argument.
     pub fn checked(self) -> Result<Map, Error> {
-        let refuse = |argument, value: String, rule| Err(Error::Value { argument, value, rule });
         for Condition { criterion, axis } in &self.conditions {
             let least = u32::from(criterion.has_axis());
             if !(least..=3).contains(&axis.unsigned_abs()) {
-                return refuse("axis", axis.to_string(), "must be 1, 2, 3 or -1, -2, -3");
+                return refuse("axis", axis, "must be 1, 2, 3 or -1, -2, -3");
             }
         }
         if self.samples == 0 {
-            return refuse("samples", self.samples.to_string(), "must be at least 1");
+            return refuse("samples", self.samples, "must be at least 1");
         }
         let all = (self.pixels.len() as u64).checked_mul(self.samples);
         if all.is_none_or(|all| all >= 1 << 63) {
@@ -86,29 +85,30 @@ impl Map {
         // A sample alone is its own group.
         let begins_group = |first: u64| self.samples == 1 || first.is_multiple_of(GROUP);
         if let Some(first) = self.first.iter().find(|first| !begins_group(**first) || **first >= 1 << 63) {
-            return refuse("first", first.to_string(), "must be a multiple of 64 below 2**63");
+            return refuse("first", first, "must be a multiple of 64 below 2**63");
         }
         let all_distributions =
             self.mixture.iter().map(|mixed| &mixed.distributions).chain([&self.distributions]);
         for given in all_distributions.filter_map(|distributions| distributions.empirical.as_ref()) {
             let rule = "must not be empty, and shares must end at 1";
             if given.omega.is_empty() || given.cumulative.last().is_some_and(|&last| last < 1.0) {
-                return refuse("given_omega", given.omega.len().to_string(), rule);
+                return refuse("given_omega", given.omega.len(), rule);
             }
         }
         if let Some(last) = self.mixture.last() {
             let is_whole = self.mixture.iter().all(|mixed| mixed.pixels.len() == self.pixels.len());
             if !(is_whole && last.until >= 1.0) {
                 let rule = "must have a start in each pixel, and shares must end at 1";
-                return refuse("mixture", self.mixture.len().to_string(), rule);
+                return refuse("mixture", self.mixture.len(), rule);
             }
         }
         if !(self.t_end.is_finite() && self.t_end > 0.0) {
-            return refuse("t_end", self.t_end.to_string(), "must be positive and finite");
+            return refuse("t_end", self.t_end, "must be positive and finite");
         }
         let is_exact = self.method == AnyMethod::Exact;
         if is_exact && !self.measures.iter().all(|measure| measure.is_known()) {
-            return refuse("method", format!("'{}'", AnyMethod::EXACT), "measures are taken along steps");
+            let rule = "measures are taken along steps";
+            return refuse("method", format_args!("'{}'", AnyMethod::EXACT), rule);
         }
         for observation in self.observations().filter(|_| !is_exact) {
             let method = self.method.by_steps();
@@ -125,7 +125,7 @@ impl Map {
                 |&step: &Step| System::TopTwoAxes.is_moved_by(step) || System::TopTurns.is_moved_by(step);
             if is_framed && !self.is_forced() && !steps.iter().all(moves_frame) {
                 let rule = "integrates no frame with a free body, which this criterion needs";
-                return refuse("method", format!("'{}'", method.facts.name), rule);
+                return method.refuse(rule);
             }
         }
         let of_measures = self.measures.iter().filter_map(|measure| measure.observed);
@@ -135,7 +135,7 @@ impl Map {
         if let Some(forces) = &self.forces {
             if forces.bodies() > 1 && forces.bodies() != self.pixels.len() {
                 let rule = "must be of one body, or of each pixel";
-                return refuse("forces", format!("of {} bodies", forces.bodies()), rule);
+                return refuse("forces", format_args!("of {} bodies", forces.bodies()), rule);
             }
             self.check_forced()?;
         }
@@ -188,10 +188,9 @@ impl Map {
     /// Refuses forces that a criterion or the method cannot handle.
     fn check_forced(&self) -> Result<(), Error> {
         let method = self.method.by_steps();
-        let refuse = |argument, value, rule| Err(Error::Value { argument, value, rule });
         if self.method == AnyMethod::Exact {
             let rule = "no classification in closed form is known under torque and damping";
-            return refuse("method", format!("'{}'", AnyMethod::EXACT), rule);
+            return refuse("method", format_args!("'{}'", AnyMethod::EXACT), rule);
         }
         method.forced_limit()?;
         method.check_forces(self.forces())?;
@@ -200,14 +199,14 @@ impl Map {
                 || !self.measures.iter().all(|measure| measure.can_be_forced());
         if is_from_start {
             let rule = "under torque and damping only the tilt from the vertical is watched";
-            return refuse("reference", "'start'".to_string(), rule);
+            return refuse("reference", "'start'", rule);
         }
         let table = self.forces_of(0).table;
         table.check_reaches(0.0)?;
         table.check_reaches(self.t_end)?;
         if self.has_knots() && self.conditions.iter().any(|one| one.criterion.rule().is_some()) {
             let rule = "deviation vectors of a map are not integrated under a table over time";
-            return refuse("stable", "regular()".to_string(), rule);
+            return refuse("stable", "regular()", rule);
         }
         for (pixel, number) in self.pixels.iter().zip(0..).filter(|(pixel, _)| pixel.possible) {
             let damping = self.forces_of(number).damping;

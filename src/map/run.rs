@@ -1,17 +1,15 @@
 //! Blocks of samples on threads: drawn, classified, measured and counted.
 
-use super::joined::Joined;
 use super::measure::Own;
 use super::observation::{Classified, RUNS};
 use super::statistics::Sample;
 use super::{
-    Class, Condition, ConditionVerdict, MOST_CONDITIONS, Map, NO_VERDICT, Observation, Sketch, Statistics,
-    Value, Verdict,
+    Class, Condition, ConditionVerdict, MOST_CONDITIONS, Map, Observation, Sketch, Statistics, Value, Verdict,
 };
+use crate::call::Call;
 use crate::error::Error;
 use crate::memory;
-use crate::parallel::{Interrupt, over_blocks, thread_nanoseconds};
-use crate::simd::Isa;
+use crate::parallel::{over_blocks, thread_nanoseconds};
 use std::ops::Range;
 use std::slice;
 use std::sync::Mutex;
@@ -64,14 +62,12 @@ impl Map {
     /// the measures, pixel by pixel.
     ///
     /// # Errors
-    /// If the statistics do not fit into memory, or `interrupt` is set.
+    /// If the statistics do not fit into memory, or the call is stopped.
     pub fn run(
         &self,
         start: u64,
         stop: u64,
-        threads: usize,
-        isa: Isa,
-        interrupt: &Interrupt,
+        call: Call,
     ) -> Result<(u64, Vec<Statistics>, Vec<Sketch>), Error> {
         let first = start / self.samples;
         // As many as there are pixels at most, which are in memory.
@@ -80,13 +76,13 @@ impl Map {
         let statistics = memory::filled("statistics of the pixels", pixels, Statistics::NONE)?;
         let sketches = memory::filled("measures of the pixels", pixels * measures, Sketch::NONE)?;
         let all = Mutex::new((statistics, sketches));
-        let block = BLOCK.min((stop - start).div_ceil(threads as u64)).max(1);
+        let block = BLOCK.min((stop - start).div_ceil(call.threads as u64)).max(1);
         let count = (stop - start).div_ceil(block);
-        over_blocks(0..count, threads, interrupt, |b| {
+        over_blocks(0..count, call.threads, call.stop, |b| {
             // No block begins within a group of samples, whose outcomes hang together.
             let [begin, end] = [b, b + 1].map(|b| self.group_begin(stop.min(start + b * block)));
             let end = if b + 1 == count { stop } else { end };
-            let (pixels, sketches) = self.block(begin.max(start), end.max(start), isa, interrupt)?;
+            let (pixels, sketches) = self.block(begin.max(start), end.max(start), call)?;
             let mut all = all.lock().expect("merging does not panic");
             for (index, (pixel, statistics)) in pixels.into_iter().enumerate() {
                 let at = (pixel - first) as usize;
@@ -102,16 +98,10 @@ impl Map {
     }
 
     /// The statistics of one block, by pixel, and the sketches of its measures.
-    fn block(
-        &self,
-        start: u64,
-        stop: u64,
-        isa: Isa,
-        interrupt: &Interrupt,
-    ) -> Result<(Vec<PixelStatistics>, Vec<Sketch>), Error> {
+    fn block(&self, start: u64, stop: u64, call: Call) -> Result<(Vec<PixelStatistics>, Vec<Sketch>), Error> {
         let begin = thread_nanoseconds();
-        let classified = self.classified(start..stop, isa, interrupt)?;
-        let measured = self.measured(start..stop, isa, interrupt)?;
+        let classified = self.classified(start..stop, call)?;
+        let measured = self.measured(start..stop, call)?;
         let (mut pixels, mut sketches): (Vec<PixelStatistics>, Vec<Sketch>) = Default::default();
         for (at, (pixel, _)) in self.pixels_and_samples(start..stop).enumerate() {
             if pixels.last().is_none_or(|&(last, _)| last != pixel) {
@@ -163,35 +153,33 @@ impl Map {
     /// bits of the map; and the class of each of its conditions, with the time at which the first run left it.
     ///
     /// # Errors
-    /// If they do not fit into memory, or `interrupt` is set.
+    /// If they do not fit into memory, or the call is stopped.
     pub fn samples_at(
         &self,
         flat: &[u64],
-        threads: usize,
-        isa: Isa,
-        interrupt: &Interrupt,
+        call: Call,
     ) -> Result<(Vec<Verdict>, Vec<ConditionVerdict>), Error> {
         const VERDICTS: &str = "outcomes of the samples";
         // Samples of one group are classified together, and neighbours side by side.
         let parts = parts(flat, |sample, later| self.belong_together(sample, later))?;
         let count = self.conditions.len();
-        let verdicts = memory::filled(VERDICTS, flat.len(), NO_VERDICT)?;
+        let verdicts = memory::filled(VERDICTS, flat.len(), Verdict::NONE)?;
         let nothing = (Class::Failed, f64::INFINITY);
         let all =
             Mutex::new((verdicts, memory::filled(VERDICTS, flat.len().saturating_mul(count), nothing)?));
-        over_blocks(0..parts.len() as u64, threads, interrupt, |part| {
+        over_blocks(0..parts.len() as u64, call.threads, call.stop, |part| {
             let part = parts[part as usize].clone();
-            let classified = self.classified(flat[part.start]..flat[part.end - 1] + 1, isa, interrupt)?;
+            let classified = self.classified(flat[part.start]..flat[part.end - 1] + 1, call)?;
             let mut all = all.lock().expect("copying does not panic");
             for at in part.clone() {
                 self.with_sample(&classified, flat[at], |sample, parts| {
-                    all.0[at] = (sample.class, *sample.first, sample.second.copied());
+                    all.0[at] = sample.verdict();
                     for (known, part) in all.1[at * count..].iter_mut().zip(parts) {
                         *known = (part.class, part.first.left);
                     }
                 });
             }
-            interrupt.tell(part.len() as f64);
+            call.stop.tell(part.len() as f64);
             Ok(())
         })?;
         Ok(all.into_inner().expect("copying does not panic"))
@@ -206,23 +194,19 @@ impl Map {
         &self,
         flat: &[u64],
         known: &[Verdict],
-        threads: usize,
-        isa: Isa,
-        interrupt: &Interrupt,
+        call: Call,
     ) -> Result<(Vec<Value>, Vec<u64>), Error> {
         const VALUES: &str = "values of the samples";
         let measures = self.measures.len();
         let parts = parts(flat, |sample, later| later == sample + 1)?;
         let values = memory::filled(VALUES, flat.len().saturating_mul(measures), Value::NONE)?;
         let all = Mutex::new((values, memory::filled(VALUES, flat.len(), 0)?));
-        over_blocks(0..parts.len() as u64, threads, interrupt, |part| {
+        over_blocks(0..parts.len() as u64, call.threads, call.stop, |part| {
             let part = parts[part as usize].clone();
-            let measured = self.measured(flat[part.start]..flat[part.end - 1] + 1, isa, interrupt)?;
+            let measured = self.measured(flat[part.start]..flat[part.end - 1] + 1, call)?;
             let mut all = all.lock().expect("copying does not panic");
             for (index, at) in part.enumerate() {
-                let (class, first, second) = known.get(at).unwrap_or(&NO_VERDICT);
-                let (class, second) = (*class, second.as_ref());
-                let sample = Sample { class, first, second, audited: false, t_end: self.t_end };
+                let sample = known.get(at).unwrap_or(&Verdict::NONE).sample(self.t_end);
                 for k in 0..measures {
                     let (value, steps) = self.value(k, &sample, &measured, index);
                     all.0[at * measures + k] = value;
@@ -241,15 +225,10 @@ impl Map {
     }
 
     /// The samples of a range with their outcomes, by condition.
-    fn classified(
-        &self,
-        range: Range<u64>,
-        isa: Isa,
-        interrupt: &Interrupt,
-    ) -> Result<Vec<Classified>, Error> {
+    fn classified(&self, range: Range<u64>, call: Call) -> Result<Vec<Classified>, Error> {
         let mut all = memory::reserved(RUNS, self.conditions.len())?;
         for observation in self.observations() {
-            all.push(observation.classified(range.clone(), isa, interrupt)?);
+            all.push(observation.classified(range.clone(), call)?);
         }
         Ok(all)
     }
@@ -268,9 +247,7 @@ impl Map {
                 *part = one.sample(index(one), t_end).expect("a body is possible whatever is asked of it");
             }
             joined = self.logic.joined(&each[..all.len()]);
-            let Joined { class, first, second, audited } = &joined;
-            let (class, second, audited) = (*class, second.as_ref(), *audited);
-            (Sample { class, first, second, audited, t_end }, &each[..all.len()])
+            (joined.sample(t_end), &each[..all.len()])
         };
         // Called once, so that the compiler keeps the sample in registers.
         see(&sample, parts)

@@ -6,7 +6,7 @@
 //! Endow. 12 (2019) 2195, doi 10.14778/3352063.3352135.)
 
 use super::Value;
-use crate::error::Error;
+use crate::error::{Error, refuse};
 use crate::memory;
 
 /// Bits of the mantissa below the bin.
@@ -88,8 +88,7 @@ impl Bin {
             && (least..1 << REST).contains(&largest)
             && (Bin::UNKNOWN..f64::INFINITY.to_bits() as i64).contains(&error);
         if !is_bin {
-            let (value, rule) = (format!("{numbers:?}"), "must be numbers of finite values");
-            return Err(Error::Value { argument: "a bin", value, rule });
+            return refuse("a bin", format_args!("{numbers:?}"), "must be numbers of finite values");
         }
         Ok(Bin {
             key: key as i32,

@@ -123,6 +123,39 @@ pub(super) struct Sample<'a> {
     pub(super) t_end: f64,
 }
 
+impl Sample<'_> {
+    /// Its verdict, apart from the memory of its runs.
+    pub(super) fn verdict(&self) -> Verdict {
+        let Sample { class, first, second, audited, .. } = *self;
+        Verdict { class, first: *first, second: second.copied(), audited }
+    }
+}
+
+/// What became of a sample.
+#[derive(Clone, Copy)]
+pub struct Verdict {
+    /// Its class, by both runs.
+    pub class: Class,
+    /// The outcome of its first run.
+    pub first: Outcome,
+    /// That of the run of the cross-check, if there is one.
+    pub second: Option<Outcome>,
+    /// The second run did not depend on the outcome of the first.
+    pub audited: bool,
+}
+
+impl Verdict {
+    /// That of a sample that was not run.
+    pub const NONE: Verdict =
+        Verdict { class: Class::Failed, first: Outcome::REFUSED, second: None, audited: false };
+
+    /// The sample as the statistics see it, up to a horizon.
+    pub(super) fn sample(&self, t_end: f64) -> Sample<'_> {
+        let Verdict { class, first, second, audited } = self;
+        Sample { class: *class, first, second: second.as_ref(), audited: *audited, t_end }
+    }
+}
+
 /// Operation that merges the values of two parts of the samples. The result does not depend on the order.
 trait Reduction<T> {
     /// The value of no samples.

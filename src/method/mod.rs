@@ -38,7 +38,7 @@ pub use tableau::{Dop853Tableau, Rk4Tableau, Tableau};
 pub use taylor::Taylor;
 pub(crate) use taylor::{bound_of_margins, in_halves, two_sum};
 
-use crate::error::Error;
+use crate::error::{Error, refuse};
 use crate::forces::ForcesInterval;
 use crate::forces::{ForceSet, Further, NO_FURTHER};
 use crate::kinematics::{direction, direction_rate, dot, doubled_attitude_rate, plus, put};
@@ -389,11 +389,10 @@ impl Method {
     /// # Errors
     /// If the method does not integrate bodies under torque and damping.
     pub fn forced_limit(&self) -> Result<f64, Error> {
-        self.damping_limit().ok_or_else(|| Error::Value {
-            argument: "method",
-            value: format!("'{}'", self.facts.name),
-            rule: "moves bodies without torque and damping only",
-        })
+        match self.damping_limit() {
+            Some(limit) => Ok(limit),
+            None => self.refuse("moves bodies without torque and damping only"),
+        }
     }
 
     /// Refuses a step that is unstable at a damping rate. The body is named if it is one among many.
@@ -505,8 +504,9 @@ impl Method {
         Ok(())
     }
 
-    fn refuse(&self, rule: &'static str) -> Result<(), Error> {
-        Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
+    /// Refuses the method by a rule.
+    pub(crate) fn refuse<T>(&self, rule: &'static str) -> Result<T, Error> {
+        refuse("method", format_args!("'{}'", self.facts.name), rule)
     }
 }
 

@@ -138,7 +138,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         let side_by_side = const { L::VECTORS < 3 };
         for all_orders in [self.has_high_orders, true] {
             // Made here: a value that is assigned again is copied.
-            let (mut series, mut moved) = (Beside::new(all_orders), MovedSeries::new());
+            let (mut series, mut moved) = (Beside::new(all_orders), MovedSeries::new(self));
             c.clear();
             c.push(*y);
             for half in 0..self.order / 2 {
@@ -212,7 +212,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         &self,
         unit: R,
         sums: Products<R>,
-        (series, moved): (&mut Beside<R>, &mut MovedSeries<R>),
+        (series, moved): (&mut Beside<R>, &mut MovedSeries<R, M>),
         c: &mut Coefficients<R, D>,
         k: usize,
     ) {
@@ -289,7 +289,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         &self,
         unit: R,
         products: &[R; 3],
-        (beside, moved): (&mut Beside<R>, &mut MovedSeries<R>),
+        (beside, moved): (&mut Beside<R>, &mut MovedSeries<R, M>),
         c: &Coefficients<R, D>,
         next: &mut [R; D],
         k: usize,
@@ -336,12 +336,13 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
     fn gains_with_change<L: Layout, const D: usize>(
         &self,
         unit: R,
-        (beside, moved): (&mut Beside<R>, &mut MovedSeries<R>),
+        (beside, moved): (&mut Beside<R>, &mut MovedSeries<R, M>),
         c: &Coefficients<R, D>,
         next: &mut [R; D],
         k: usize,
     ) -> Gains<R> {
-        let (applied, MovedSeries { rows, next: next_moved, further, frames }) = (&self.applied, moved);
+        let (applied, MovedSeries { equations, rows, next: next_moved, further, frames }) =
+            (&self.applied, moved);
         if k == 0 {
             rows.push(applied.moved::<L, D>(c.order(0)));
         } else {
@@ -355,14 +356,9 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         for j in 0..k + 1 {
             add_rates(rows.order(j), rows.order(k - j), &mut products);
         }
-        let (model, varied, at) = (
-            applied.varied_model(&self.model),
-            applied.varied(),
-            (Dual::constant(unit), k, beside.all_orders),
-        );
         let gains = gains_of_order::<Dual<R>, M::Varied, Moved, MOVED>(
-            (&model, &varied),
-            at,
+            (&equations.0, &equations.1),
+            (Dual::constant(unit), k, beside.all_orders),
             &products,
             further,
             rows,
@@ -564,7 +560,9 @@ impl<R: Real> TurnSeries<R> {
 
 /// Coefficients under further forces, with their changes by a deviation vector. They are no part of `Beside`, so that
 /// motions without one have no memory for them.
-struct MovedSeries<R: Real> {
+struct MovedSeries<R: Real, M: Model<R>> {
+    /// The model and what acts, with the change of the parameters.
+    equations: (M::Varied, Applied<Dual<R>>),
     rows: Coefficients<Dual<R>, MOVED>,
     /// The variables of the forces of the next order.
     next: [Dual<R>; MOVED],
@@ -573,10 +571,11 @@ struct MovedSeries<R: Real> {
     frames: VectorSeries<R>,
 }
 
-impl<R: Real> MovedSeries<R> {
+impl<R: Real, M: Model<R>> MovedSeries<R, M> {
     #[inline(always)]
-    fn new() -> Self {
+    fn new(engine: &Taylor<R, M>) -> Self {
         MovedSeries {
+            equations: (engine.applied.varied_model(&engine.model), engine.applied.varied()),
             rows: Coefficients::new(),
             next: [Dual::splat(0.0); MOVED],
             further: TurnSeries::new(),

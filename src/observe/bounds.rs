@@ -484,28 +484,16 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
         L::CLOCK || !L::TANGENT && (L::TURNS || !L::QUATERNION && (L::VECTORS != 1 || M::HEAVY));
 
     #[inline(always)]
-    fn after_step<S: Engine<R, M, L, D>>(
-        self,
-        engine: &S,
-        p: &Parameters<R>,
-        rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
-    ) {
+    fn after_step<S: Engine<R, M, L, D>>(self, rows: &mut Rows<R>, segment: &Segment<R, S, D>) {
         // Of each body; an inactive one has a step of zero.
-        let wanted = R::splat(0.0).lt(p.step.abs());
-        look_inside::<_, R, M, L, S, D>(self, engine, p, rows, segment, wanted);
+        let wanted = R::splat(0.0).lt(segment.p.step.abs());
+        look_inside::<_, R, M, L, S, D>(self, rows, segment, wanted);
     }
 
     #[inline(always)]
-    fn look<S: Engine<R, M, L, D>>(
-        self,
-        engine: &S,
-        p: &Parameters<R>,
-        rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
-    ) {
-        let &Segment { begin, before, after, .. } = segment;
-        let dense = &motion_inside(engine, p, segment);
+    fn look<S: Engine<R, M, L, D>>(self, rows: &mut Rows<R>, segment: &Segment<R, S, D>) {
+        let &Segment { p, begin, before, after, .. } = segment;
+        let dense = &motion_inside(segment);
         let bound = self;
         if const { !L::CLOCK } {
             let (ends, layout) = ([before, after], PhantomData::<L>);

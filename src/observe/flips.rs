@@ -138,13 +138,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
         L::CLOCK || !L::TANGENT && (L::BALANCE || !L::QUATERNION && L::VECTORS == M::HEAVY as usize);
 
     #[inline(always)]
-    fn after_step<S: Engine<R, M, L, D>>(
-        self,
-        engine: &S,
-        p: &Parameters<R>,
-        rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
-    ) {
+    fn after_step<S: Engine<R, M, L, D>>(self, rows: &mut Rows<R>, segment: &Segment<R, S, D>) {
+        let &Segment { engine, p, .. } = segment;
         let axis = three(rows, Flips::AXIS);
         let ends = Flips::at_ends(rows, segment);
         let mut sought = ends[1];
@@ -156,23 +151,17 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
             ];
             sought = sought.min(R::select(has_minimum(slopes), lowest(ends, slopes), R::splat(0.0)));
         }
-        look_inside::<_, R, M, L, S, D>(self, engine, p, rows, segment, sought.lt(R::splat(0.0)));
+        look_inside::<_, R, M, L, S, D>(self, rows, segment, sought.lt(R::splat(0.0)));
     }
 
     /// One flip where the component ends with the other sign, two where it has the other sign between; the first is
     /// found. An exact zero keeps the sign before it.
     #[inline(always)]
-    fn look<S: Engine<R, M, L, D>>(
-        self,
-        engine: &S,
-        p: &Parameters<R>,
-        rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
-    ) {
+    fn look<S: Engine<R, M, L, D>>(self, rows: &mut Rows<R>, segment: &Segment<R, S, D>) {
         let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
         let (axis, sign) = (three(rows, Flips::AXIS), rows[Flips::SIGN]);
         let [begin, end] = Flips::at_ends(rows, segment);
-        let dense = &motion_inside(engine, p, segment);
+        let dense = &motion_inside(segment);
         let inside = Component { dense, axis, sign };
         let flipped = end.lt(zero);
         let [lowest_at, lowest] = least::<R, 6>(&inside, [zero, one], half, half * half);
@@ -191,7 +180,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
         }
         let count = R::select(flipped, one, R::select(last_value.lt(zero), one + one, zero));
         let fraction = Bracket { from: first, to: [last, last_value] }.crossing(&inside);
-        let at = p.step.fma(fraction, segment.begin);
+        let at = segment.p.step.fma(fraction, segment.begin);
         let leaves = R::except(half.lt(count), rows[EXIT_TIME].lt(R::splat(f64::INFINITY)));
         rows[EXIT_TIME] = R::select(leaves, at, rows[EXIT_TIME]);
         rows[Flips::COUNT] = rows[Flips::COUNT] + count;
@@ -202,7 +191,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
 impl Flips {
     /// The component at both ends of a step, with the sign before the step.
     #[inline(always)]
-    fn at_ends<R: Real, const D: usize>(rows: &Rows<R>, segment: &Segment<R, D>) -> [R; 2] {
+    fn at_ends<R: Real, S, const D: usize>(rows: &Rows<R>, segment: &Segment<R, S, D>) -> [R; 2] {
         let axis = three(rows, Flips::AXIS);
         let (before, after, sign) = (segment.before, segment.after, rows[Flips::SIGN]);
         let begin = along(&axis, &[before[0], before[1], before[2]]);

@@ -5,7 +5,7 @@ use super::{Observable, Rows, Segment, Start, Update};
 use crate::kinematics::{cross, direction, dot};
 use crate::method::Engine;
 use crate::real::Real;
-use crate::scene::{Layout, Model, Parameters};
+use crate::scene::{Layout, Model};
 use crate::special::ln;
 
 /// A deviation vector at the start, and the norm in which its growth is measured: `|d / scale|^2 + |x|^2` of a change d
@@ -217,15 +217,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Gro
     const FITS: bool = L::TANGENT && L::BALANCE == L::CHANGED;
 
     #[inline(always)]
-    fn after_step<S: Engine<R, M, L, D>>(
-        self,
-        _engine: &S,
-        p: &Parameters<R>,
-        rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
-    ) {
-        let at = L::TANGENT_AT;
-        let y = segment.after;
+    fn after_step<S: Engine<R, M, L, D>>(self, rows: &mut Rows<R>, segment: &Segment<R, S, D>) {
+        let (at, &Segment { p, after: y, .. }) = (L::TANGENT_AT, segment);
         let log = Growth::log(
             rows,
             [y[at], y[at + 1], y[at + 2]],

@@ -42,20 +42,14 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Mea
         L::CLOCK || !L::TANGENT && (L::BALANCE || !L::QUATERNION && L::VECTORS == M::HEAVY as usize);
 
     #[inline(always)]
-    fn after_step<S: Engine<R, M, L, D>>(
-        self,
-        engine: &S,
-        p: &Parameters<R>,
-        rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
-    ) {
+    fn after_step<S: Engine<R, M, L, D>>(self, rows: &mut Rows<R>, segment: &Segment<R, S, D>) {
         if const { S::IS_LONG } {
             // Of each body; an inactive one has a step of zero.
-            let wanted = R::splat(0.0).lt(p.step.abs());
-            look_inside::<_, R, M, L, S, D>(self, engine, p, rows, segment, wanted);
+            let wanted = R::splat(0.0).lt(segment.p.step.abs());
+            look_inside::<_, R, M, L, S, D>(self, rows, segment, wanted);
             return;
         }
-        let &Segment { before, after, .. } = segment;
+        let &Segment { engine, p, begin: time, before, after, .. } = segment;
         let axis = three(rows, MeanRate::AXIS);
         let (begin, end) = (S::VARIABLES.rates(p, before), S::VARIABLES.rates(p, after));
         let (begin, end) = (along(&axis, &begin), along(&axis, &end));
@@ -66,23 +60,17 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Mea
         }
         let bend = along(&axis, &S::VARIABLES.rates(p, &slope));
         let mean = bend.fma(R::splat(1.0 / 12.0), (begin + end) * R::splat(0.5));
-        MeanRate::add(p, rows, segment.begin, mean);
+        MeanRate::add(p, rows, time, mean);
     }
 
     #[inline(always)]
-    fn look<S: Engine<R, M, L, D>>(
-        self,
-        engine: &S,
-        p: &Parameters<R>,
-        rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
-    ) {
+    fn look<S: Engine<R, M, L, D>>(self, rows: &mut Rows<R>, segment: &Segment<R, S, D>) {
         let axis = three(rows, MeanRate::AXIS);
         let mut mean = R::splat(0.0);
-        for (k, row) in motion_inside(engine, p, segment).all().iter().enumerate().rev() {
+        for (k, row) in motion_inside(segment).all().iter().enumerate().rev() {
             mean = along(&axis, &[row[0], row[1], row[2]]).fma(R::splat(1.0 / (k + 1) as f64), mean);
         }
-        MeanRate::add(p, rows, segment.begin, mean);
+        MeanRate::add(segment.p, rows, segment.begin, mean);
     }
 }
 

@@ -50,22 +50,10 @@ pub trait Update<R: Real, M: Model<R>, L: Layout, const D: usize>: Observable {
     /// Whether the observable fits the model and the layout. Code is compiled only if the observable fits.
     const FITS: bool;
     /// Updates the rows after a step.
-    fn after_step<S: Engine<R, M, L, D>>(
-        self,
-        engine: &S,
-        p: &Parameters<R>,
-        rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
-    );
+    fn after_step<S: Engine<R, M, L, D>>(self, rows: &mut Rows<R>, segment: &Segment<R, S, D>);
     /// Updates the rows after a step of a body for which it matters what is inside the step.
     #[inline(always)]
-    fn look<S: Engine<R, M, L, D>>(
-        self,
-        _engine: &S,
-        _p: &Parameters<R>,
-        _rows: &mut Rows<R>,
-        _segment: &Segment<R, D>,
-    ) {
+    fn look<S: Engine<R, M, L, D>>(self, _rows: &mut Rows<R>, _segment: &Segment<R, S, D>) {
         unreachable!("only some observables look inside such steps")
     }
 }
@@ -94,7 +82,7 @@ where
     #[inline(always)]
     fn run(self) {
         let Look { observable, engine, p, rows, begin, before, after, .. } = self;
-        observable.look(engine, p, rows, &Segment { begin, before, after, dense: &Coefficients::new() });
+        observable.look(rows, &Segment { engine, p, begin, before, after, dense: &Coefficients::new() });
     }
 }
 
@@ -103,10 +91,8 @@ where
 #[inline(always)]
 fn look_inside<O, R, M, L, S, const D: usize>(
     observable: O,
-    engine: &S,
-    p: &Parameters<R>,
     rows: &mut Rows<R>,
-    segment: &Segment<R, D>,
+    segment: &Segment<R, S, D>,
     wanted: R::Mask,
 ) where
     O: Update<R, M, L, D>,
@@ -117,7 +103,7 @@ fn look_inside<O, R, M, L, S, const D: usize>(
 {
     if R::any(wanted) {
         // Copies: what a function of its own sees would be in memory in every step, observed or not.
-        let begin = segment.begin;
+        let &Segment { engine, p, begin, .. } = segment;
         let [mut before, mut after] = [[begin; D]; 2];
         in_halves!(d in D { before[d] = segment.before[d]; });
         in_halves!(d in D { after[d] = segment.after[d]; });
@@ -153,12 +139,9 @@ impl<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize> Out
 /// The motion inside a step.
 #[inline(always)]
 fn motion_inside<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>(
-    engine: &S,
-    p: &Parameters<R>,
-    segment: &Segment<R, D>,
+    &Segment { engine, p, before, after, .. }: &Segment<R, S, D>,
 ) -> Coefficients<R, D> {
-    let mut dense = Coefficients::new();
-    let ends = [segment.before, segment.after];
+    let (mut dense, ends) = (Coefficients::new(), [before, after]);
     R::outlined(MotionInside { engine, p, ends, dense: &mut dense, of: PhantomData::<(M, L)> });
     dense
 }
@@ -194,7 +177,11 @@ pub struct Start<'a> {
 }
 
 /// A completed step.
-pub struct Segment<'a, R, const D: usize> {
+pub struct Segment<'a, R, S, const D: usize> {
+    /// The engine that made it.
+    pub engine: &'a S,
+    /// The parameters of the bodies.
+    pub p: &'a Parameters<R>,
     /// Time at the begin of the step.
     pub begin: R,
     /// The state before the step.
@@ -254,11 +241,9 @@ macro_rules! observables {
             #[inline(always)]
             pub fn after_step<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: usize>(
                 self,
-                engine: &S,
-                p: &Parameters<P>,
                 rows: &mut [Row; MAX_ROWS],
                 at: usize,
-                segment: &Segment<P, D>,
+                segment: &Segment<P, S, D>,
             ) {
                 $(if const { <$name as Update<P, M, L, D>>::FITS && is_observed::<P, M, L, S, D>() }
                     && let Observed::$name $(($value))? = self
@@ -266,7 +251,7 @@ macro_rules! observables {
                     let mut values = [P::splat(0.0); MAX_ROWS];
                     load::<P, $name>(rows, at, &mut values);
                     let observable = observables!(@value $name $($value)?);
-                    Update::<P, M, L, D>::after_step(observable, engine, p, &mut values, segment);
+                    Update::<P, M, L, D>::after_step(observable, &mut values, segment);
                     store::<P, $name>(rows, at, &values);
                 })*
             }

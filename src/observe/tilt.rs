@@ -91,13 +91,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
     const FITS: bool = L::CLOCK || !L::TANGENT && (L::TURNS || !L::QUATERNION && L::VECTORS > 0);
 
     #[inline(always)]
-    fn after_step<S: Engine<R, M, L, D>>(
-        self,
-        engine: &S,
-        p: &Parameters<R>,
-        rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
-    ) {
+    fn after_step<S: Engine<R, M, L, D>>(self, rows: &mut Rows<R>, segment: &Segment<R, S, D>) {
+        let &Segment { engine, p, .. } = segment;
         let axis = three(rows, Tilt::AXIS);
         let at_end = of_state::<R, L, D>(rows, segment.after);
         let end = chord2(&axis, &at_end);
@@ -117,18 +112,13 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
             let spare = largest + lowest([-begin, -end], slopes);
             sought = sought.min(R::select(has_minimum(slopes), spare, R::splat(0.0)));
         }
-        look_inside::<_, R, M, L, S, D>(self, engine, p, rows, segment, sought.lt(R::splat(0.0)));
+        look_inside::<_, R, M, L, S, D>(self, rows, segment, sought.lt(R::splat(0.0)));
     }
 
     #[inline(always)]
-    fn look<S: Engine<R, M, L, D>>(
-        self,
-        engine: &S,
-        p: &Parameters<R>,
-        rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
-    ) {
+    fn look<S: Engine<R, M, L, D>>(self, rows: &mut Rows<R>, segment: &Segment<R, S, D>) {
         let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
+        let &Segment { engine, p, .. } = segment;
         let axis = three(rows, Tilt::AXIS);
         let ends = [Path::of(engine, p, rows, segment.before), Path::of(engine, p, rows, segment.after)];
         let inside = Quintic::between(&axis, &ends);
@@ -148,7 +138,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
         if R::any(exceeded) {
             // The time is the begin of the step if the limit was exceeded there.
             let bracket = Bracket { from: [zero, (limit + begin).max(zero)], to: [last, margin] };
-            let dense = &motion_inside(engine, p, segment);
+            let dense = &motion_inside(segment);
             let below = Below::<R, L, D> { dense, rows: &*rows, layout: PhantomData };
             let at = p.step.fma(bracket.crossing(&below), segment.begin);
             rows[EXIT_TIME] = R::select(exceeded, at, rows[EXIT_TIME]);

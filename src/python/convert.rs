@@ -276,12 +276,32 @@ pub fn column<'py, T, N: numpy::Element>(
     Ok(column.into_pyarray(py))
 }
 
-/// Columns of bodies: a row for each body, or one row for all.
+/// One row for all bodies, or one for each.
+#[derive(Clone, Copy)]
+pub struct OneOrEach<'a, T>(&'a [T]);
+
+impl<'a, T: Copy> OneOrEach<'a, T> {
+    /// Rows of so many bodies.
+    pub fn new(argument: &'static str, bodies: usize, rows: &'a [T]) -> PyResult<Self> {
+        if rows.len() != 1 {
+            same_length(argument, bodies, rows.len())?;
+        }
+        Ok(OneOrEach(rows))
+    }
+
+    /// The row of a body.
+    #[inline]
+    pub fn of(self, body: usize) -> T {
+        self.0[if self.0.len() == 1 { 0 } else { body }]
+    }
+}
+
+/// Columns of bodies.
 pub struct BodyColumns<'a> {
-    moments: &'a [[f64; 3]],
-    weight: &'a [[f64; 3]],
+    moments: OneOrEach<'a, [f64; 3]>,
+    weight: OneOrEach<'a, [f64; 3]>,
     omega: &'a [[f64; 3]],
-    attitude: &'a [[f64; 4]],
+    attitude: OneOrEach<'a, [f64; 4]>,
 }
 
 /// Bodies of a part for each thread: few enough for the caches of the processor.
@@ -295,18 +315,13 @@ impl<'a> BodyColumns<'a> {
         omega: &'a [[f64; 3]],
         attitude: &'a [[f64; 4]],
     ) -> PyResult<Self> {
-        let columns = BodyColumns { moments, weight, omega, attitude };
-        let n = columns.len();
-        for (argument, rows) in [
-            ("moments", columns.moments.len()),
-            ("weight", columns.weight.len()),
-            ("attitude", columns.attitude.len()),
-        ] {
-            if rows != 1 {
-                same_length(argument, n, rows)?;
-            }
-        }
-        Ok(columns)
+        let n = omega.len();
+        Ok(BodyColumns {
+            moments: OneOrEach::new("moments", n, moments)?,
+            weight: OneOrEach::new("weight", n, weight)?,
+            omega,
+            attitude: OneOrEach::new("attitude", n, attitude)?,
+        })
     }
 
     /// Number of bodies.
@@ -328,12 +343,11 @@ impl<'a> BodyColumns<'a> {
     /// One body.
     #[inline]
     pub fn body(&self, index: usize) -> Body {
-        let row = |rows: usize| if rows == 1 { 0 } else { index };
         Body {
-            moments: self.moments[row(self.moments.len())],
-            weight: self.weight[row(self.weight.len())],
+            moments: self.moments.of(index),
+            weight: self.weight.of(index),
             omega: self.omega[index],
-            attitude: self.attitude[row(self.attitude.len())],
+            attitude: self.attitude.of(index),
         }
     }
 }

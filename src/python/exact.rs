@@ -1,7 +1,9 @@
 //! The derived quantities of closed forms and the elliptic functions, array by array.
 
 use super::bodies::Bodies;
-use super::convert::{Aligned1, Aligned2, bodies, column, copied, evaluated, of_rows, rows, same_length};
+use super::convert::{
+    Aligned1, Aligned2, OneOrEach, bodies, column, copied, evaluated, of_rows, rows, same_length,
+};
 use super::states::{of_bodies, shaped};
 use crate::error::Error;
 use crate::exact::derived::{
@@ -47,8 +49,7 @@ pub fn closed_forms_for<'py>(
     axis: Option<usize>,
 ) -> PyResult<Bound<'py, PyArray1<u8>>> {
     let index = |axis: usize| {
-        let rule = "must be 1, 2 or 3";
-        let wrong = || Error::Value { argument: "axis", value: axis.to_string(), rule };
+        let wrong = || Error::value("axis", axis, "must be 1, 2 or 3");
         (1..=3).contains(&axis).then(|| axis - 1).ok_or_else(wrong)
     };
     let axis = axis.map(index).transpose()?;
@@ -58,8 +59,7 @@ pub fn closed_forms_for<'py>(
         ("no_flip", axis) => Question::NoFlip(axis),
         ("tilt_from_vertical", Some(axis)) => Question::TiltFromVertical(axis),
         ("tilt_from_vertical", None) => {
-            let rule = "the tilt of an axis needs the axis";
-            return Err(Error::Value { argument: "axis", value: "None".into(), rule }.into());
+            return Err(Error::value("axis", "None", "the tilt of an axis needs the axis").into());
         }
         _ => {
             let known = "states, no_flip, tilt_from_vertical, regular".into();
@@ -75,15 +75,9 @@ pub fn closed_forms_for<'py>(
 /// The closed form of each body, or 0.
 fn codes_of(question: Question, moments: &[[f64; 3]], weight: &[[f64; 3]]) -> PyResult<Vec<u8>> {
     let n = if moments.len() == 1 { weight.len() } else { moments.len() };
-    for (argument, rows) in [("moments", moments.len()), ("weight", weight.len())] {
-        if rows != 1 {
-            same_length(argument, n, rows)?;
-        }
-    }
-    let code = |body: usize| {
-        let row = |rows: &[[f64; 3]]| rows[if rows.len() == 1 { 0 } else { body }];
-        ClosedForm::code(ClosedForm::answering(question, row(moments), row(weight)))
-    };
+    let (moments, weight) = (OneOrEach::new("moments", n, moments)?, OneOrEach::new("weight", n, weight)?);
+    let code =
+        |body: usize| ClosedForm::code(ClosedForm::answering(question, moments.of(body), weight.of(body)));
     Ok(memory::collected("closed forms", n, (0..n).map(code))?)
 }
 
@@ -144,8 +138,8 @@ pub fn flip_times<'py>(
     count: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     if !axis.is_none_or(|axis| (1..=3).contains(&axis)) {
-        let (value, rule) = (axis.map_or_else(String::new, |axis| axis.to_string()), "must be 1, 2 or 3");
-        return Err(Error::Value { argument: "axis", value, rule }.into());
+        let rule = "must be 1, 2 or 3";
+        return Err(Error::value("axis", axis.map_or_else(String::new, |axis| axis.to_string()), rule).into());
     }
     let isa = Isa::current()?;
     let bodies = bodies.all()?;
@@ -159,8 +153,7 @@ pub fn flip_times<'py>(
         let axis = match axis {
             Some(axis) => axis - 1,
             None => largest(body.omega).ok_or_else(|| {
-                let rule = "has no single largest component";
-                Error::Value { argument: "omega", value: format!("{:?}", body.omega), rule }
+                Error::value("omega", format_args!("{:?}", body.omega), "has no single largest component")
             })?,
         };
         ClosedForm::answering(Question::NoFlip(Some(axis)), body.moments, body.weight)

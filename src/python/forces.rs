@@ -1,6 +1,6 @@
 //! Forces from Python.
 
-use super::convert::{Aligned1, Aligned2, copied, copied_rows, rows, same_length};
+use super::convert::{Aligned1, Aligned2, OneOrEach, copied, copied_rows, rows, same_length};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::{
@@ -129,8 +129,7 @@ impl PyForces {
                 ("rotor", Some(rows)) => forces = forces.with_rotors(&times, &vectors("rotor", &rows)?)?,
                 ("orbit", Some(rows)) => forces = forces.on_trajectory(&times, &vectors("orbit", &rows)?)?,
                 _ => {
-                    let rule = "has no table over time";
-                    return Err(Error::Value { argument: "forces", value: name.clone(), rule }.into());
+                    return Err(Error::value("forces", name.clone(), "has no table over time").into());
                 }
             }
         }
@@ -216,7 +215,8 @@ impl PyForces {
         if self.0.bodies() > 1 {
             same_length("moments", self.0.bodies(), bodies)?;
         }
-        let number = |body: usize| of(self.0.of(body), moments[if moments.len() == 1 { 0 } else { body }]);
+        let moments = OneOrEach::new("moments", bodies, moments)?;
+        let number = |body: usize| of(self.0.of(body), moments.of(body));
         Ok(memory::collected("numbers of the bodies", bodies, (0..bodies).map(number))?.into_pyarray(py))
     }
 }

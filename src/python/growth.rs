@@ -3,6 +3,7 @@
 use super::bodies::Bodies;
 use super::convert::{Aligned1, Aligned2, column, copied, evaluated, interruptible, rows, same_length};
 use crate::body::Body;
+use crate::call::Call;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::map::{Class, DEVIATIONS, Rule, deviation_start};
@@ -72,7 +73,7 @@ pub fn growth<'py>(
     let deviations = Deviations { each: &each, count };
     let run = |stop: &Interrupt| {
         stop.expect(n, 0..n);
-        trajectory::growth(&request, method, deviations, threads, isa, stop)
+        trajectory::growth(&request, method, deviations, Call { isa, threads, stop })
     };
     to_dict(py, interruptible(py, None, run)??, n, times.len(), count)
 }

@@ -4,15 +4,17 @@ use super::convert::{
     self, Aligned1, Aligned2, bodies, interruptible, interruptible_calls, rows, rows_of, same_length,
 };
 use super::forces::PyForces;
+use crate::call::Call;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::inertia::MomentStatus;
 use crate::map::{
     Bin, Check, Class, Column, Condition, Criterion, Distributions, Field, Logic, Map, Measure, Mixed,
-    NO_VERDICT, OF_START, Outcome, Pixel, Sketch, Statistics, Value, Verdict, clopper_pearson_of_each,
+    OF_START, Outcome, Pixel, Sketch, Statistics, Value, Verdict, clopper_pearson_of_each,
 };
 use crate::memory;
 use crate::method::AnyMethod;
+use crate::parallel::Interrupt;
 use crate::sample::{self, Distribution, Empirical};
 use crate::scene::Scene;
 use crate::simd::Isa;
@@ -101,7 +103,7 @@ fn finite(time: f64) -> f64 {
 
 /// A number that counts.
 fn count(argument: &'static str, value: i64) -> Result<u64, Error> {
-    let wrong = |_| Error::Value { argument, value: value.to_string(), rule: "must not be negative" };
+    let wrong = |_| Error::value(argument, value, "must not be negative");
     u64::try_from(value).map_err(wrong)
 }
 
@@ -219,9 +221,8 @@ impl MapStatistics {
         same_length("pixels", columns.len(), places.as_array().len())?;
         let index = |what: &str, number: i64, count: usize| {
             let rule = "must be pixels of the map";
-            let value = || format!("{what} {number} of {count}");
             let inside = usize::try_from(number).ok().filter(|&index| index < count);
-            inside.ok_or_else(|| Error::Value { argument: "part", value: value(), rule })
+            inside.ok_or_else(|| Error::value("part", format_args!("{what} {number} of {count}"), rule))
         };
         let mut of_rows = memory::reserved(PIXELS, columns.len())?;
         for &place in places.as_array() {
@@ -263,11 +264,9 @@ impl MapStatistics {
         for ((&pixel, &number), &error) in pixels.iter().zip(values).zip(errors) {
             let at = usize::try_from(pixel).ok().and_then(|pixel| pixel.checked_mul(self.measures));
             let place = at.filter(|_| measure < self.measures).and_then(|at| sketches.get_mut(at + measure));
-            let place = place.ok_or_else(|| Error::Value {
-                argument: "pixels",
-                value: format!("{pixel} of measure {measure}"),
-                rule: "must be pixels and measures of the map",
-            })?;
+            let rule = "must be pixels and measures of the map";
+            let refused = || Error::value("pixels", format_args!("{pixel} of measure {measure}"), rule);
+            let place = place.ok_or_else(refused)?;
             place.add(&Value { number, error: if error.is_finite() { error.abs() } else { f64::NAN } })?;
         }
         Ok(())
@@ -408,9 +407,7 @@ impl MapRequest<'_> {
         let weight = rows::<3>("weight", &self.weight)?;
         same_length("shares", self.starts.len(), self.shares.len())?;
         let Some((nominal, others)) = self.starts.split_first() else {
-            return Err(
-                Error::Value { argument: "starts", value: "()".into(), rule: "must not be empty" }.into()
-            );
+            return Err(Error::value("starts", "()", "must not be empty").into());
         };
         let (starting, distributions) = nominal.pixels(moments, weight, &status)?;
         let mut mixture = Vec::new();
@@ -480,13 +477,13 @@ const OUTCOME_NUMBERS: [OutcomeNumber; 8] = [
 /// Writes what became of samples as one array a number.
 fn write_outcomes<'py>(py: Python<'py>, all: &[Verdict]) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    dict.set_item("class", convert::column(py, all, |(class, ..)| *class as u8)?)?;
-    dict.set_item("status", convert::column(py, all, |(_, one, _)| one.status as u8)?)?;
-    dict.set_item("exact", convert::column(py, all, |(_, one, _)| one.exact)?)?;
-    dict.set_item("flips", convert::column(py, all, |(_, one, _)| one.flips as i64)?)?;
-    dict.set_item("steps", convert::column(py, all, |(_, one, _)| one.steps as i64)?)?;
+    dict.set_item("class", convert::column(py, all, |one| one.class as u8)?)?;
+    dict.set_item("status", convert::column(py, all, |one| one.first.status as u8)?)?;
+    dict.set_item("exact", convert::column(py, all, |one| one.first.exact)?)?;
+    dict.set_item("flips", convert::column(py, all, |one| one.first.flips as i64)?)?;
+    dict.set_item("steps", convert::column(py, all, |one| one.first.steps as i64)?)?;
     for (name, of) in OUTCOME_NUMBERS {
-        dict.set_item(name, convert::column(py, all, |(_, one, _)| of(one))?)?;
+        dict.set_item(name, convert::column(py, all, |one| of(&one.first))?)?;
     }
     Ok(dict)
 }
@@ -495,7 +492,7 @@ fn write_outcomes<'py>(py: Python<'py>, all: &[Verdict]) -> PyResult<Bound<'py, 
 /// their names.
 #[pyfunction]
 pub fn unknown_outcomes(py: Python<'_>, count: usize) -> PyResult<Bound<'_, PyDict>> {
-    write_outcomes(py, &memory::filled("outcomes of the samples", count, NO_VERDICT)?)
+    write_outcomes(py, &memory::filled("outcomes of the samples", count, Verdict::NONE)?)
 }
 
 /// The names of the classes of bodies, in the order of their codes.
@@ -537,13 +534,12 @@ impl MapJob {
         interrupted: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Option<Bound<'py, PyDict>>> {
         if start > stop || stop > self.map.len() {
-            let value = format!("({start}, {stop})");
             let rule = "must be a range of the samples of the map";
-            return Err(Error::Value { argument: "start, stop", value, rule }.into());
+            return Err(Error::value("start, stop", format_args!("({start}, {stop})"), rule).into());
         }
         let calls = self.map.calls_functions();
-        let result = interruptible_calls(py, interrupted, calls, |interrupt| {
-            self.map.run(start, stop, threads.max(1), self.isa, interrupt)
+        let result = interruptible_calls(py, interrupted, calls, |wish| {
+            self.map.run(start, stop, self.call(threads, wish))
         })?;
         let (first, statistics, sketches) = match result {
             Err(Error::Stopped) => return Ok(None),
@@ -588,8 +584,8 @@ impl MapJob {
         threads: usize,
     ) -> PyResult<ValuesAndSteps<'py>> {
         let flat = self.ascending(&samples)?;
-        let (values, steps) = interruptible_calls(py, None, self.map.calls_functions(), |interrupt| {
-            self.map.values_at(&flat, &[], threads.max(1), self.isa, interrupt)
+        let (values, steps) = interruptible_calls(py, None, self.map.calls_functions(), |stop| {
+            self.map.values_at(&flat, &[], self.call(threads, stop))
         })??;
         let shape = [flat.len(), self.map.measures.len()];
         let numbers = convert::column(py, &values, |value| value.number)?.reshape(shape)?;
@@ -608,10 +604,10 @@ impl MapJob {
     ) -> PyResult<Bound<'py, PyDict>> {
         let flat = self.ascending(&samples)?;
         let calls = self.map.calls_functions();
-        let ((all, parts), (values, _)) = interruptible_calls(py, None, calls, |interrupt| {
-            interrupt.expect(flat.len(), 0..flat.len());
-            let known = self.map.samples_at(&flat, threads.max(1), self.isa, interrupt)?;
-            let values = self.map.values_at(&flat, &known.0, threads.max(1), self.isa, interrupt)?;
+        let ((all, parts), (values, _)) = interruptible_calls(py, None, calls, |stop| {
+            stop.expect(flat.len(), 0..flat.len());
+            let known = self.map.samples_at(&flat, self.call(threads, stop))?;
+            let values = self.map.values_at(&flat, &known.0, self.call(threads, stop))?;
             Ok::<_, Error>((known, values))
         })??;
         let dict = write_outcomes(py, &all)?;
@@ -626,12 +622,15 @@ impl MapJob {
 }
 
 impl MapJob {
+    fn call<'a>(&self, threads: usize, stop: &'a Interrupt<'a>) -> Call<'a> {
+        Call { isa: self.isa, threads: threads.max(1), stop }
+    }
+
     /// The numbers of samples, if the map has such samples and they ascend.
     fn ascending(&self, samples: &Aligned1<'_, u64>) -> PyResult<Vec<u64>> {
         let flat = self.numbers(samples)?;
         if !flat.is_sorted_by(|one, next| one < next) {
-            let rule = "must be in ascending order, each once";
-            return Err(Error::Value { argument: "samples", value: "of the map".into(), rule }.into());
+            return Err(Error::value("samples", "of the map", "must be in ascending order, each once").into());
         }
         Ok(flat)
     }
@@ -640,8 +639,8 @@ impl MapJob {
     fn numbers(&self, samples: &Aligned1<'_, u64>) -> PyResult<Vec<u64>> {
         let samples = samples.as_array();
         if let Some(sample) = samples.iter().find(|&&sample| sample >= self.map.len()) {
-            let value = format!("{sample} of {}", self.map.len());
-            return Err(Error::Value { argument: "samples", value, rule: "must be an index" }.into());
+            let rule = "must be an index";
+            return Err(Error::value("samples", format_args!("{sample} of {}", self.map.len()), rule).into());
         }
         Ok(memory::collected("numbers of samples", samples.len(), samples.iter().copied())?)
     }

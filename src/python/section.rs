@@ -2,6 +2,7 @@
 
 use super::bodies::Bodies;
 use super::convert::{Aligned1, Aligned2, column, copied, interruptible_calls, rows, same_length};
+use crate::call::Call;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::{Code, MOST_STATES, TorqueCall};
@@ -16,13 +17,18 @@ use numpy::ndarray::Array2;
 use numpy::{Element, IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::array::from_fn;
+
+/// Numbers of a surface.
+const OF_SURFACE: usize = 11 + MOST_STATES;
 
 /// The points at which bodies cross their surfaces until a time; see `rigid.poincare` and `rigid.simulate`. A kind of
 /// surface is whether it is of a rate, its direction, and whether its points count, with its row of `pointing`: two pairs of
 /// a body axis and a direction, zeros without any, and 1 if the directions are those of the orbit; and with the address of a
-/// function in place of the surface and whether it is told eight bodies at once, 0 without any. The surfaces of each body are neighbours in `normal`, `momentum`, `square`, `states` and `value`.
+/// function in place of the surface and whether it is told eight bodies at once, 0 without any. The surfaces of each body are
+/// neighbours, each a row of the numbers of `Surface`.
 #[pyfunction]
-#[pyo3(signature = (bodies, *, method, kinds, pointing, functions, normal, momentum, square, states, value, ends, count, closed, tolerance, max_steps, threads))]
+#[pyo3(signature = (bodies, *, method, kinds, pointing, functions, surfaces, ends, count, closed, tolerance, max_steps, threads))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, array by array.
 pub fn section<'py>(
     py: Python<'py>,
@@ -31,11 +37,7 @@ pub fn section<'py>(
     kinds: Vec<(bool, i8, bool)>,
     pointing: Aligned2<'py, f64>,
     functions: Vec<(usize, bool)>,
-    normal: Aligned2<'py, f64>,
-    momentum: Aligned2<'py, f64>,
-    square: Aligned1<'py, f64>,
-    states: Aligned2<'py, f64>,
-    value: Aligned1<'py, f64>,
+    surfaces: Aligned2<'py, f64>,
     ends: Aligned1<'py, f64>,
     count: usize,
     closed: bool,
@@ -48,29 +50,17 @@ pub fn section<'py>(
     let given = &bodies.all()?;
     let n = given.len();
     let forces = bodies.forces(n)?;
-    let many = n * kinds.len();
-    let (normals, momenta) = (rows::<6>("normal", &normal)?, rows::<3>("momentum", &momentum)?);
-    let (values, ends) = (copied("value", &value)?, copied("ends", &ends)?);
-    let squares = copied("square", &square)?;
-    let states = rows::<MOST_STATES>("states", &states)?;
-    for (name, length) in [
-        ("normal", normals.len()),
-        ("momentum", momenta.len()),
-        ("square", squares.len()),
-        ("states", states.len()),
-        ("value", values.len()),
-    ] {
-        same_length(name, many, length)?;
-    }
+    let (numbers, ends) = (rows::<OF_SURFACE>("surfaces", &surfaces)?, copied("ends", &ends)?);
+    same_length("surfaces", n * kinds.len(), numbers.len())?;
     same_length("ends", n, ends.len())?;
-    let surface = |index: usize| Surface {
-        normal: normals[index],
-        momentum: momenta[index],
-        square: squares[index],
-        states: states[index],
-        value: values[index],
+    let surface = |row: &[f64; OF_SURFACE]| Surface {
+        normal: from_fn(|k| row[k]),
+        momentum: from_fn(|k| row[6 + k]),
+        square: row[9],
+        states: from_fn(|k| row[10 + k]),
+        value: row[10 + MOST_STATES],
     };
-    let surfaces = &memory::collected("surfaces", many, (0..many).map(surface))?;
+    let surfaces = &memory::collected("surfaces", numbers.len(), numbers.iter().map(surface))?;
     let kind = |((&(of_rate, direction, counts), row), (address, is_of_eight))| {
         let row: &[f64; 13] = row;
         let [first, second, third, fourth] =
@@ -107,7 +97,7 @@ pub fn section<'py>(
     let section = Section { kinds, surfaces, count, ends: &ends, closed };
     let run = |stop: &Interrupt| {
         stop.expect(n, 0..n);
-        trajectory::section(&request, method, &section, threads, isa, stop)
+        trajectory::section(&request, method, &section, Call { isa, threads, stop })
     };
     let calls = forces.of(0).function.is_some() || kinds.iter().any(|kind| kind.function.is_some());
     to_dict(py, &interruptible_calls(py, None, calls, run)??)

@@ -2,15 +2,17 @@
 
 use super::bodies::Bodies;
 use super::convert::{
-    Aligned1, Aligned2, BodyColumns, at_once, copied_numbers, evaluated, interruptible_calls, parse_record,
-    rows, same_length, times_of_bodies,
+    Aligned1, Aligned2, BodyColumns, OneOrEach, at_once, copied_numbers, evaluated, interruptible_calls,
+    parse_record, rows, same_length, times_of_bodies,
 };
 use super::forces::PyForces;
 use super::states::{PyStates, of_bodies, shaped};
 use super::target::Target;
-use crate::accuracy::{self, Asked, Estimate, Solved};
+use crate::accuracy::{self, Asked, Solved};
 use crate::body::Body;
+use crate::call::Call;
 use crate::error::Error;
+use crate::estimate::Estimate;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::{Forces, ParameterChange};
 use crate::map::PlannedRun;
@@ -109,8 +111,7 @@ pub fn solve<'py>(
     let given: Given<'_> = request.extract()?;
     Method::parse(given.method.to_str()?)?;
     if given.strides.is_some() {
-        let (argument, rule) = ("strides", "an accuracy is of states at times");
-        return Err(Error::Value { argument, value: "given".into(), rule }.into());
+        return Err(Error::value("strides", "given", "an accuracy is of states at times").into());
     }
     let asked = Some(Asked { accuracy, check, free, may_stop: given.bodies.may_stop });
     let run = Run { step, refinement: 1.0, deviations: None, changes: None, single: false, asked };
@@ -206,11 +207,12 @@ fn states_of<'py>(
             // A second run takes about as long as the run.
             let runs = 1 + usize::from(asked.is_some_and(|asked| asked.check));
             stop.expect(runs * n, runs * part.start..runs * part.end);
+            let call = Call { isa, threads, stop };
             match (asked, method) {
                 (Some(asked), AnyMethod::Steps(method)) => {
-                    accuracy::solve(request, method, asked, states, threads, (isa, stop))
+                    accuracy::solve(request, method, asked, states, call)
                 }
-                _ => Ok(Solved::unjudged(trajectory::simulate_into(request, states, threads, isa, stop)?)),
+                _ => Ok(Solved::unjudged(trajectory::simulate_into(request, states, call)?)),
             }
         };
         let calls = forces.of(0).function.is_some();
@@ -273,11 +275,9 @@ pub fn fastest_rates<'py>(
     let n = bodies.len()?;
     let forces = bodies.forces(n)?;
     let spans = span.as_ref().map(|span| rows::<2>("span", span)).transpose()?.unwrap_or(&[[0.0; 2]]);
-    if spans.len() != 1 {
-        same_length("span", n, spans.len())?;
-    }
+    let spans = OneOrEach::new("span", n, spans)?;
     let rate = |index: usize, body: &Body| {
-        let span = spans[if spans.len() == 1 { 0 } else { index }];
+        let span = spans.of(index);
         match method {
             None => body.fastest_rate(forces.of(index), span),
             Some(method) => body.step_rate(method, forces.of(index), span),
@@ -311,17 +311,16 @@ pub fn planned_steps<'py>(
     };
     let n = bodies.len()?;
     let forces = bodies.forces(n)?;
-    let spans = rows::<2>("span", &span)?;
-    if spans.len() != 1 {
-        same_length("span", n, spans.len())?;
-    }
+    let spans = OneOrEach::new("span", n, rows::<2>("span", &span)?)?;
     let mut steps = memory::reserved("steps", n)?;
     for part in BodyColumns::parts(n, 1) {
         let bodies = bodies.of(part.clone())?;
-        steps.extend(bodies.iter().zip(part).map(|(body, index)| {
-            let span = spans[if spans.len() == 1 { 0 } else { index }];
-            choice.planned_step(of, body, forces.of(index), span)
-        }));
+        steps.extend(
+            bodies
+                .iter()
+                .zip(part)
+                .map(|(body, index)| choice.planned_step(of, body, forces.of(index), spans.of(index))),
+        );
     }
     shaped(py, steps.into_flattened(), [n, 2])
 }

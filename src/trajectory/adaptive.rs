@@ -5,14 +5,14 @@ use super::adaptive_lanes::AdaptiveLanes;
 use super::{
     Integration, Request, Schedule, StatesPart, invariants_at_start, kinds_in, neighbours, over_blocks_of,
 };
-use crate::error::Error;
+use crate::call::Call;
+use crate::error::{Error, refuse};
 use crate::forces::BodyForces;
 use crate::kernel::{Job, KernelAssignment, State, drive, read, unload};
 use crate::memory;
 use crate::method::Method;
 use crate::observe::Observed;
-use crate::parallel::Interrupt;
-use crate::simd::{Isa, LANES};
+use crate::simd::LANES;
 use crate::status::Status;
 
 /// Bodies in a block: enough that few lanes are inactive at the end of a block.
@@ -22,34 +22,25 @@ const BLOCK: usize = 1024;
 const STEPS_BETWEEN_STOPS: u64 = 1 << 10;
 
 /// Runs the request.
-pub fn simulate(
-    request: &Request,
-    method: &Method,
-    states: StatesPart,
-    threads: usize,
-    isa: Isa,
-    stop: &Interrupt,
-) -> Result<u64, Error> {
-    let refused = |rule| {
-        let value = request.tolerance.map_or(String::new(), |tolerance| format!("{tolerance:e}"));
-        Error::Value { argument: "tolerance", value, rule }
-    };
+pub fn simulate(request: &Request, method: &Method, states: StatesPart, call: Call) -> Result<u64, Error> {
+    let given = request.tolerance.map_or(String::new(), |tolerance| format!("{tolerance:e}"));
     if let Schedule::Strides(_) = request.schedule {
-        return Err(refused("steps of a given size have no tolerance"));
+        return refuse("tolerance", given, "steps of a given size have no tolerance");
     }
-    let tolerance = request.tolerance.filter(|t| (f64::MIN_POSITIVE..1.0).contains(t));
-    let tolerance = tolerance.ok_or_else(|| refused("must be positive and below one"))?;
+    let Some(tolerance) = request.tolerance.filter(|t| (f64::MIN_POSITIVE..1.0).contains(t)) else {
+        return refuse("tolerance", given, "must be positive and below one");
+    };
     if !method.is_known_inside(request.forces.of(0).into()) {
-        return Err(refused("only the Taylor methods choose their steps, and 'dop853' under a function"));
+        let rule = "only the Taylor methods choose their steps, and 'dop853' under a function";
+        return refuse("tolerance", given, rule);
     }
     let blocks = neighbours(request.bodies.len(), BLOCK, |_| ())?;
-    over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
+    over_blocks_of(request, &blocks, states, call, |block, mut states| {
         states.forget();
         let integrations = Integration::of_block(request, method, block.clone())?;
         for members in kinds_in(block.clone(), |index| integrations[index - block.start].kind())? {
-            let how = (isa, tolerance);
-            let mut job =
-                AdaptiveJob::new(request, &integrations, block.start, &members, how, &mut states, stop)?;
+            let how = (call, tolerance);
+            let mut job = AdaptiveJob::new(request, &integrations, block.start, &members, how, &mut states)?;
             drive(&mut job)?;
         }
         Ok(())
@@ -83,9 +74,6 @@ struct AdaptiveJob<'a, 'b> {
     queue: Vec<(u64, usize)>,
     lanes: AdaptiveLanes<'a>,
     states: &'a mut StatesPart<'b>,
-    /// Bodies of the job.
-    members: usize,
-    stop: &'a Interrupt<'a>,
 }
 
 impl<'a, 'b> AdaptiveJob<'a, 'b> {
@@ -94,9 +82,8 @@ impl<'a, 'b> AdaptiveJob<'a, 'b> {
         integrations: &'a [Integration],
         first: usize,
         members: &[usize],
-        (isa, tolerance): (Isa, f64),
+        (call, tolerance): (Call<'a>, f64),
         states: &'a mut StatesPart<'b>,
-        stop: &'a Interrupt<'a>,
     ) -> Result<Self, Error> {
         let rate = |index: usize| request.bodies[first + index].fastest_rate(BodyForces::NONE, [0.0; 2]);
         // Rates are not negative: their bits are ordered as they are.
@@ -105,9 +92,8 @@ impl<'a, 'b> AdaptiveJob<'a, 'b> {
         // The fastest bodies first (the queue is emptied from its end): at the end no lane is inactive for long.
         queue.sort_unstable();
         let kernel = integrations[members[0]].kernel(request, Observed::Nothing);
-        let lanes = AdaptiveLanes::new(request, kernel, isa, tolerance)?;
-        let members = queue.len();
-        Ok(AdaptiveJob { request, integrations, first, queue, lanes, states, members, stop })
+        let lanes = AdaptiveLanes::new(request, kernel, call, tolerance)?;
+        Ok(AdaptiveJob { request, integrations, first, queue, lanes, states })
     }
 
     /// Loads a body into a lane, at its start. Whether a requested time is left.
@@ -171,6 +157,7 @@ impl Job for AdaptiveJob<'_, '_> {
 
     fn load(&mut self, lane: usize) -> Result<Option<Task>, Error> {
         while let Some((_, body)) = self.queue.pop() {
+            self.lanes.entered += 1;
             let split = self.times(body).partition_point(|&t| t < 0.0);
             let assignment = self.integrations[body].assignment;
             let mut task =
@@ -186,9 +173,7 @@ impl Job for AdaptiveJob<'_, '_> {
     }
 
     fn advance(&mut self, tasks: &[Option<Task>; LANES]) -> Result<(), Error> {
-        let inside = tasks.iter().enumerate();
-        let inside = inside.filter_map(|(lane, task)| Some((lane, self.first + task.as_ref()?.body)));
-        self.lanes.tell(self.stop, self.members - self.queue.len(), inside)?;
+        self.lanes.tell(tasks, |task| self.first + task.body)?;
         let left = tasks.iter().flatten().map(|task| self.request.max_steps - task.steps);
         let most = left.min().map_or(0, |left| left.min(STEPS_BETWEEN_STOPS));
         self.lanes.advance(most as usize);
@@ -231,6 +216,7 @@ mod tests {
     use crate::forces::Forces;
     use crate::method::{AnyMethod, TAYLOR16};
     use crate::scene::FREE;
+    use crate::simd::Isa;
     use crate::trajectory::{Record, States};
 
     /// A job whose rounds are counted: in each of them every lane could make a step.
@@ -285,8 +271,8 @@ mod tests {
         let integrations = Integration::of_block(&request, &TAYLOR16, 0..BLOCK).unwrap();
         let members: Vec<usize> = (0..BLOCK).collect();
         let mut states = States::reserved(&request, BLOCK, &[]).unwrap();
-        let (mut part, stop, how) = (states.whole(), Interrupt::never(), (Isa::NARROWEST, 1e-13));
-        let job = AdaptiveJob::new(&request, &integrations, 0, &members, how, &mut part, &stop).unwrap();
+        let (mut part, how) = (states.whole(), (Call::to_the_end(Isa::NARROWEST, 1), 1e-13));
+        let job = AdaptiveJob::new(&request, &integrations, 0, &members, how, &mut part).unwrap();
         let mut counted = Counted { job, rounds: 0.0 };
         drive(&mut counted).unwrap();
         let rounds = counted.rounds;

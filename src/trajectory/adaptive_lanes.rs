@@ -1,13 +1,14 @@
 //! Lanes that choose their steps, each under the forces on its body.
 
 use super::Request;
+use crate::call::Call;
 use crate::error::Error;
 use crate::kernel::{
     AdaptiveSteps, Compiled, Entry, ForcesRows, Group, Kernel, KernelAssignment, load, reset_time,
 };
 use crate::observe::Deviation;
 use crate::parallel::Interrupt;
-use crate::simd::{Isa, LANES};
+use crate::simd::LANES;
 
 /// The longest step under a function (rad): the body turns by this angle at most, so that no step leaps over what it does.
 const LONGEST: f64 = 2.0;
@@ -25,15 +26,18 @@ pub(super) struct AdaptiveLanes<'a> {
     forces_rows: ForcesRows<'a>,
     /// The next knot of the forces on each lane; infinite if there is none.
     knots: [f64; LANES],
+    /// How many bodies have been in a lane.
+    pub(super) entered: usize,
     /// How many bodies are told to be done.
     told: f64,
+    stop: &'a Interrupt<'a>,
 }
 
 impl<'a> AdaptiveLanes<'a> {
     pub(super) fn new(
         request: &'a Request<'a>,
         kernel: Kernel,
-        isa: Isa,
+        Call { isa, stop, .. }: Call<'a>,
         tolerance: f64,
     ) -> Result<Self, Error> {
         Ok(AdaptiveLanes {
@@ -43,7 +47,9 @@ impl<'a> AdaptiveLanes<'a> {
             steps: AdaptiveSteps::inactive(tolerance, kernel.step.numbers.order)?,
             forces_rows: ForcesRows::with_room(request.forces.function_width())?,
             knots: [f64::INFINITY; LANES],
+            entered: 0,
             told: 0.0,
+            stop,
         })
     }
 
@@ -135,25 +141,24 @@ impl<'a> AdaptiveLanes<'a> {
         }
     }
 
-    /// Tells how many bodies are done, of those that have been entered: `inside` are the lanes of those that are not
-    /// finished, with their indices.
+    /// Tells how many bodies are done, of those that have entered, from the lanes that are active and the indices of their
+    /// bodies.
     ///
     /// # Errors
     /// If the work is to stop.
-    pub(super) fn tell(
+    pub(super) fn tell<T>(
         &mut self,
-        stop: &Interrupt,
-        entered: usize,
-        inside: impl Iterator<Item = (usize, usize)>,
+        tasks: &[Option<T>; LANES],
+        index: impl Fn(&T) -> usize,
     ) -> Result<(), Error> {
-        let left = inside.map(|(lane, index)| {
-            let [first, last] = self.request.range_of(index);
-            1.0 - (self.steps.now[0].0[lane].abs() / (last - first)).min(1.0)
+        let left = tasks.iter().zip(&self.steps.now[0].0).filter_map(|(task, now)| {
+            let [first, last] = self.request.range_of(index(task.as_ref()?));
+            Some(1.0 - (now.abs() / (last - first)).min(1.0))
         });
-        let done = entered as f64 - left.sum::<f64>();
-        stop.tell(done - self.told);
+        let done = self.entered as f64 - left.sum::<f64>();
+        self.stop.tell(done - self.told);
         self.told = self.told.max(done);
-        if stop.is_wanted() { Err(Error::Stopped) } else { Ok(()) }
+        if self.stop.is_wanted() { Err(Error::Stopped) } else { Ok(()) }
     }
 
     /// Makes a lane inactive.

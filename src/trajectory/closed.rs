@@ -3,8 +3,9 @@
 use super::states::worse;
 use super::{Record, Request, Schedule, StatesPart, kinds_in, neighbours, over_blocks_of, time_range};
 use crate::body::Body;
+use crate::call::Call;
 use crate::error::Error;
-use crate::exact::{CanonicalForm, Evaluator, Question, StartRows, StateRows};
+use crate::exact::{CanonicalForm, Question, StartRows, StateRows};
 use crate::forces::BodyForces;
 use crate::kinematics::{length, plain_dot};
 use crate::memory;
@@ -24,24 +25,19 @@ const ROWS_BETWEEN_STOPS: usize = 256;
 const BLOCK: usize = 1024;
 
 /// Runs the request.
-pub fn simulate(
-    request: &Request,
-    states: StatesPart,
-    threads: usize,
-    isa: Isa,
-    stop: &Interrupt,
-) -> Result<u64, Error> {
+pub fn simulate(request: &Request, states: StatesPart, call: Call) -> Result<u64, Error> {
     let blocks = neighbours(request.bodies.len(), BLOCK, |_| ())?;
-    over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
+    over_blocks_of(request, &blocks, states, call, |block, mut states| {
         for drift in states.drifts() {
             drift.fill(0.0);
         }
         let (forms, first) = (&forms_of(request, block.clone())?, block.start);
-        let kinds = kinds_in(0..forms.len(), |index| forms[index].kind())?;
+        let kinds = kinds_in(0..forms.len(), |index| forms[index].evaluator())?;
         for members in kinds.iter().flat_map(|kind| kind.chunks(LANES)) {
             let known = members.iter().map(|&k| Invariants::new(&request.bodies[first + k], request.scene));
             let known = memory::collected("invariants of a group", members.len(), known)?;
-            ClosedFormBatch { request, forms, first, members, isa, known }.run(&mut states, stop)?;
+            let isa = call.isa;
+            ClosedFormBatch { request, forms, first, members, isa, known }.run(&mut states, call.stop)?;
         }
         Ok(())
     })
@@ -92,7 +88,7 @@ struct ClosedFormBatch<'a> {
 
 impl ClosedFormBatch<'_> {
     fn run(&self, states: &mut StatesPart, stop: &Interrupt) -> Result<(), Error> {
-        let evaluator = Evaluator::new(self.form(0).kind(), self.isa);
+        let evaluator = self.form(0).evaluator();
         let canonical = |index: usize| self.form(index).to_canonical(self.body(index));
         for (index, &member) in self.members.iter().enumerate() {
             states.fastest_rate[member] = self.body(index).fastest_rate(BodyForces::NONE, [0.0; 2]);
@@ -103,9 +99,9 @@ impl ClosedFormBatch<'_> {
         let mut rows = memory::reserved("times of a group", room)?;
         let evaluate = |starts: &StartRows, rows: &[Row], out: &mut [StateRows]| {
             if self.with_attitude() {
-                evaluator.states(starts, rows, out);
+                evaluator.states(self.isa, starts, rows, out);
             } else {
-                evaluator.rates(starts, rows, out);
+                evaluator.rates(self.isa, starts, rows, out);
             }
         };
         // One body a lane, or one time a lane: the choice that leaves fewer lanes empty changes no bit.

@@ -1,24 +1,17 @@
 //! Free bodies under a damping that is a multiple of their inertia, in closed form.
 
 use super::{Request, Schedule, StatesPart};
-use crate::error::Error;
+use crate::call::Call;
+use crate::error::{Error, refuse};
 use crate::forces::Forces;
 use crate::memory;
 use crate::method::{AnyMethod, phi};
-use crate::parallel::Interrupt;
-use crate::simd::Isa;
 use crate::special::exp;
 
 /// Free bodies under a damping `D = k I`: `L' = L x omega - k L` is the free motion in the time
 /// `s = (1 - exp(-k t)) / k`, times `exp(-k t)`.
-pub fn simulate(
-    request: &Request,
-    mut states: StatesPart,
-    threads: usize,
-    isa: Isa,
-    stop: &Interrupt,
-) -> Result<u64, Error> {
-    let refuse = |rule| Err(Error::Value { argument: "method", value: AnyMethod::EXACT.to_string(), rule });
+pub fn simulate(request: &Request, mut states: StatesPart, call: Call) -> Result<u64, Error> {
+    let refuse = |rule| refuse("method", AnyMethod::EXACT, rule);
     if let Schedule::Strides(_) = request.schedule {
         return refuse("a closed form takes no steps");
     }
@@ -53,7 +46,7 @@ pub fn simulate(
     }
     let schedule = if shared { Schedule::Times(&slow) } else { Schedule::TimesOfEach(&slow, count) };
     let request = Request { schedule, forces: Forces::NONE, ..*request };
-    let nanoseconds = super::simulate_into(&request, states.again(), threads, isa, stop)?;
+    let nanoseconds = super::simulate_into(&request, states.again(), call)?;
     let omega = states.omega.as_mut().expect("rates are always recorded");
     let work = states.work.as_mut().expect("the work of forced bodies is always recorded");
     let columns = omega.chunks_mut(3 * count.max(1)).zip(work.chunks_mut(count.max(1)));

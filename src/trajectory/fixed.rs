@@ -4,13 +4,13 @@ use super::legs::LegGroup;
 use super::{
     Integration, Request, StatesPart, blocks, invariants_at_start, kinds_in, over_blocks_of, steps_of_legs,
 };
+use crate::call::Call;
 use crate::error::Error;
 use crate::kernel::{Compiled, Entry, Group, Job, drive, load, unload};
 use crate::memory;
 use crate::method::Method;
 use crate::observe::{Deviation, Observed};
-use crate::parallel::Interrupt;
-use crate::simd::{Isa, LANES};
+use crate::simd::LANES;
 use crate::status::Status;
 
 /// Largest number of steps between two checks of the stop flag: a tenth of a second
@@ -18,22 +18,16 @@ use crate::status::Status;
 const STEPS_BETWEEN_STOPS: u64 = 1 << 9;
 
 /// Runs the request.
-pub fn simulate(
-    request: &Request,
-    method: &Method,
-    states: StatesPart,
-    threads: usize,
-    isa: Isa,
-    stop: &Interrupt,
-) -> Result<u64, Error> {
+pub fn simulate(request: &Request, method: &Method, states: StatesPart, call: Call) -> Result<u64, Error> {
     let count = request.bodies.len();
     let integrations = Integration::of_block(request, method, 0..count)?;
     let steps =
         memory::collected("steps of the bodies", count, (0..count).map(|b| steps_of_legs(request, b)))?;
     let kind = |index: usize| integrations[index].kind();
+    let Call { isa, threads, stop } = call;
     let blocks = blocks(count, threads, |index| (kind(index), steps[index]))?;
     // The bits of a body do not depend on the others of its group.
-    over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
+    over_blocks_of(request, &blocks, states, call, |block, mut states| {
         states.forget();
         let mut lanes = Group::inactive();
         for mut members in kinds_in(block.clone(), kind)? {
@@ -43,7 +37,7 @@ pub fn simulate(
                 let own = &integrations[block.clone()];
                 let compiled = Compiled::new(own[group[0]].kernel(request, Observed::Nothing), isa);
                 let legs = LegGroup::new(request, own, block.start, group, compiled, (&mut lanes, 1), stop)?;
-                FixedJob { legs, states: &mut states, loaded: 0, last: [[0.0; 4]; LANES], stop }.run()?;
+                FixedJob { legs, states: &mut states, last: [[0.0; 4]; LANES] }.run()?;
             }
         }
         Ok(())
@@ -54,11 +48,8 @@ pub fn simulate(
 struct FixedJob<'a, 'b> {
     legs: LegGroup<'a>,
     states: &'a mut StatesPart<'b>,
-    /// Bodies that are loaded.
-    loaded: usize,
     /// The attitude of each lane at its last recorded state.
     last: [[f64; 4]; LANES],
-    stop: &'a Interrupt<'a>,
 }
 
 /// A body in motion.
@@ -81,7 +72,6 @@ impl FixedJob<'_, '_> {
         }
         for backward in [false, true] {
             if self.legs.begin(backward)? {
-                self.loaded = 0;
                 drive(&mut self)?;
             }
         }
@@ -129,10 +119,9 @@ impl Job for FixedJob<'_, '_> {
 
     fn load(&mut self, lane: usize) -> Result<Option<Moving>, Error> {
         let legs = &mut self.legs;
-        if self.loaded == legs.members.len() {
+        if legs.waiting.next().is_none() {
             return Ok(None);
         }
-        self.loaded += 1;
         let (body, index) = (legs.body(lane), legs.index(lane));
         self.last[lane] = body.attitude;
         let deviation = Deviation::new(legs.request.record.deviation_of(index));
@@ -164,14 +153,14 @@ impl Job for FixedJob<'_, '_> {
             }
             at_rest = i;
             while done < end {
-                if self.stop.is_wanted() {
+                if legs.stop.is_wanted() {
                     return Err(Error::Stopped);
                 }
                 let count = (end - done).min(STEPS_BETWEEN_STOPS);
                 legs.advance(count);
                 done += count;
                 let share = |&lane: &usize| legs.steps[lane].map_or(0.0, |all| count as f64 / all as f64);
-                self.stop.tell(lanes[i..].iter().map(share).sum());
+                legs.stop.tell(lanes[i..].iter().map(share).sum());
             }
         }
         // All lanes of the leg, those that ended early too.

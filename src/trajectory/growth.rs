@@ -8,13 +8,14 @@ use super::frame::{Frame, MAX_DEVIATIONS};
 use super::legs::LegGroup;
 use super::states::first;
 use super::{Integration, Request, blocks, kinds_in, steps_of_legs};
+use crate::call::Call;
 use crate::error::Error;
 use crate::kernel::{Compiled, DeviationRows, Entry, Group, Job, System, drive, load};
 use crate::memory;
 use crate::method::Method;
 use crate::observe::{Deviation, Growth, Observed};
-use crate::parallel::{Interrupt, over_blocks};
-use crate::simd::{Isa, LANES};
+use crate::parallel::over_blocks;
+use crate::simd::LANES;
 use crate::status::{DRIFT_LIMIT, Status};
 
 /// Steps between two divisions of a deviation vector, so few that none overflows; of several, so few that they do not
@@ -83,9 +84,7 @@ pub fn growth(
     request: &Request,
     method: &Method,
     deviations: Deviations,
-    threads: usize,
-    isa: Isa,
-    stop: &Interrupt,
+    Call { isa, threads, stop }: Call,
 ) -> Result<Growths, Error> {
     assert!((1..=MAX_DEVIATIONS).contains(&deviations.count));
     assert_eq!(deviations.each.len(), request.bodies.len() * deviations.count);
@@ -128,10 +127,8 @@ pub fn growth(
                     legs: LegGroup::new(request, &integrations, block.start, members, compiled, lanes, stop)?,
                     deviations,
                     part: &mut part,
-                    loaded: 0,
                     frames: [Frame::new(deviations.count, isa); LANES],
                     start_logs: [[0.0; MAX_DEVIATIONS]; LANES],
-                    stop,
                 };
                 job.run()?;
             }
@@ -163,11 +160,8 @@ struct GrowthJob<'a, 'b> {
     legs: LegGroup<'a>,
     deviations: Deviations<'a>,
     part: &'a mut Part<'b>,
-    /// Bodies that are loaded.
-    loaded: usize,
     frames: [Frame; LANES],
     start_logs: [[f64; MAX_DEVIATIONS]; LANES],
-    stop: &'a Interrupt<'a>,
 }
 
 impl Job for GrowthJob<'_, '_> {
@@ -175,11 +169,8 @@ impl Job for GrowthJob<'_, '_> {
     type Task = usize;
 
     fn load(&mut self, _: usize) -> Result<Option<usize>, Error> {
-        let (b, legs) = (self.loaded, &mut self.legs);
-        if b == legs.members.len() {
-            return Ok(None);
-        }
-        self.loaded += 1;
+        let legs = &mut self.legs;
+        let Some(b) = legs.waiting.next() else { return Ok(None) };
         let (body, lane, count) = (legs.body(b), legs.lane(b), self.deviations.count);
         let (rate, assignment) = (legs.forced_rate(b), legs.integration(b).assignment);
         let each = &self.deviations.each[legs.index(b) * count..][..count];
@@ -211,7 +202,7 @@ impl Job for GrowthJob<'_, '_> {
             let legs = &mut self.legs;
             let ends = legs.legs[..bodies].iter().map(|leg| leg.steps).filter(|&steps| steps > done);
             let Some(end) = ends.min() else { return Ok(()) };
-            if self.stop.is_wanted() {
+            if legs.stop.is_wanted() {
                 return Err(Error::Stopped);
             }
             let next = end.min((done / together + 1) * together);
@@ -223,7 +214,7 @@ impl Job for GrowthJob<'_, '_> {
                 let is_due = next % together == 0 || next == steps;
                 if steps > done {
                     let all = self.legs.steps[b].map_or(f64::INFINITY, |all| all as f64);
-                    self.stop.tell((next - done) as f64 / all);
+                    self.legs.stop.tell((next - done) as f64 / all);
                 }
                 if steps > done && is_due {
                     self.renormalise(b);

@@ -236,6 +236,9 @@ pub(super) struct LegGroup<'a> {
     pub(super) compiled: Compiled,
     pub(super) lanes_each: usize,
     pub(super) lanes: &'a mut Group,
+    /// The numbers of the bodies that are not loaded.
+    pub(super) waiting: Range<usize>,
+    pub(super) stop: &'a Interrupt<'a>,
     /// `None` if no forces act, and no parameter is changed.
     forces_rows: Option<Box<ForcesRows<'a>>>,
     /// The steps of each body; `None` if they are too many, and the body is not moved.
@@ -265,7 +268,7 @@ impl<'a> LegGroup<'a> {
         members: &'a [usize],
         compiled: Compiled,
         (lanes, lanes_each): (&'a mut Group, usize),
-        stop: &Interrupt,
+        stop: &'a Interrupt<'a>,
     ) -> Result<Self, Error> {
         let is_changing = integrations[members[0]].forces.act || request.record.is_sensitivity();
         let bodies = members.iter().map(|&member| first + member);
@@ -278,6 +281,8 @@ impl<'a> LegGroup<'a> {
             compiled,
             lanes_each,
             lanes,
+            waiting: 0..0,
+            stop,
             forces_rows: is_changing
                 .then(|| ForcesRows::with_room(request.forces.function_width()).map(Box::new))
                 .transpose()?,
@@ -365,6 +370,7 @@ impl<'a> LegGroup<'a> {
             return Ok(false);
         }
         self.lanes.clear();
+        self.waiting = 0..self.members.len();
         Ok(true)
     }
 

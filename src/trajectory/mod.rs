@@ -23,14 +23,15 @@ pub use section::{Crossings, Point, Pointing, Section, Surface, SurfaceKind, sec
 pub use states::{Column, States, StatesPart};
 
 use crate::body::Body;
-use crate::error::Error;
+use crate::call::Call;
+use crate::error::{Error, refuse};
 use crate::forces::ForceSet;
 use crate::kernel::{Group, Kernel, KernelAssignment, Needs, System};
 use crate::memory;
 use crate::method::{AnyMethod, Method, Step};
 use crate::observe::Observed;
-use crate::parallel::{Interrupt, caught, over_blocks};
-use crate::simd::{Isa, LANES};
+use crate::parallel::{caught, over_blocks};
+use crate::simd::LANES;
 use std::ops::Range;
 use std::time::Instant;
 
@@ -38,9 +39,9 @@ use std::time::Instant;
 ///
 /// # Errors
 /// If the states do not fit into memory, and as `simulate_into`.
-pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &Interrupt) -> Result<States, Error> {
+pub fn simulate(request: &Request, call: Call) -> Result<States, Error> {
     let mut states = States::reserved(request, request.bodies.len(), &[])?;
-    simulate_into(request, states.whole(), threads, isa, stop)?;
+    simulate_into(request, states.whole(), call)?;
     Ok(states)
 }
 
@@ -51,13 +52,7 @@ pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &Interrupt) -
 /// If the request was stopped; if a closed form is wanted and a body has none; if the method does not move tops or
 /// forced bodies; if a step is beyond the stability of the method, or an output time beyond the table of a torque; if a
 /// tolerance is given to a method that is no series.
-pub fn simulate_into(
-    request: &Request,
-    states: StatesPart,
-    threads: usize,
-    isa: Isa,
-    stop: &Interrupt,
-) -> Result<u64, Error> {
+pub fn simulate_into(request: &Request, states: StatesPart, call: Call) -> Result<u64, Error> {
     match request.method {
         AnyMethod::Steps(method) => {
             method.check(request.scene)?;
@@ -69,28 +64,25 @@ pub fn simulate_into(
                 check_forced(request, method)?;
             }
             match request.tolerance {
-                Some(_) => adaptive::simulate(request, method, states, threads, isa, stop),
-                None => fixed::simulate(request, method, states, threads, isa, stop),
+                Some(_) => adaptive::simulate(request, method, states, call),
+                None => fixed::simulate(request, method, states, call),
             }
         }
         AnyMethod::Auto => {
-            let (value, rule) = (format!("'{}'", AnyMethod::AUTO), "is chosen for the samples of maps only");
-            Err(Error::Value { argument: "method", value, rule })
+            refuse("method", format_args!("'{}'", AnyMethod::AUTO), "is chosen for the samples of maps only")
         }
         AnyMethod::Exact => {
             if request.record.is_tangent() {
-                let value = format!("'{}'", AnyMethod::EXACT);
                 let rule = "has no tangent here: deviation vectors are integrated";
-                return Err(Error::Value { argument: "method", value, rule });
+                return refuse("method", format_args!("'{}'", AnyMethod::EXACT), rule);
             }
             if !request.forces.is_none() {
-                return damped_free::simulate(request, states, threads, isa, stop);
+                return damped_free::simulate(request, states, call);
             }
             if let Schedule::Strides(_) = request.schedule {
-                let value = AnyMethod::EXACT.to_string();
-                return Err(Error::Value { argument: "method", value, rule: "a closed form takes no steps" });
+                return refuse("method", AnyMethod::EXACT, "a closed form takes no steps");
             }
-            closed::simulate(request, states, threads, isa, stop)
+            closed::simulate(request, states, call)
         }
     }
 }
@@ -196,8 +188,7 @@ fn over_blocks_of(
     request: &Request,
     blocks: &[Range<usize>],
     mut states: StatesPart,
-    threads: usize,
-    stop: &Interrupt,
+    call: Call,
     work: impl Fn(Range<usize>, StatesPart) -> Result<(), Error> + Sync,
 ) -> Result<u64, Error> {
     let times = request.schedule.len();
@@ -209,8 +200,8 @@ fn over_blocks_of(
         caught(|| parts.into_iter().try_for_each(done))?;
         Ok(begin.elapsed().as_nanos() as u64)
     } else {
-        let threads = if request.is_light() { 1 } else { threads };
-        over_blocks(parts, threads, stop, done)
+        let threads = if request.is_light() { 1 } else { call.threads };
+        over_blocks(parts, threads, call.stop, done)
     }
 }
 

@@ -148,6 +148,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "maps/satellites.py": ("maps/test_satellite_maps.py",),
     "maps/sequential.py": ("maps/test_sequential.py", "maps/test_refined_maps.py"),
     "maps/summary.py": (
+        "maps/test_map_statistics.py",
         "maps/test_measures.py",
         "maps/test_refined_maps.py",
         "maps/test_regular_maps.py",
@@ -177,6 +178,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "model/measures.py": ("maps/test_measures.py", "maps/test_maps_over_the_anomaly.py"),
     "model/mixture.py": ("maps/test_mixtures.py",),
     "model/orbit.py": ("solve/test_orbits.py", "solve/test_flybys.py", "solve/test_satellites.py"),
+    "model/orbit_axes.py": ("maps/test_frame_of_the_orbit.py", "solve/test_pointing_events.py"),
     "model/parameters.py": (
         "maps/test_map_axes.py",
         "maps/test_map_grid.py",

@@ -2,9 +2,12 @@
 
 import sys
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
+
+from map_texts import SMALL
 
 
 @pytest.fixture(scope="session")
@@ -33,6 +36,14 @@ def opens(browser: Any) -> Iterator[Callable[..., Any]]:
     yield open_page
     for opened in every:
         opened.close()
+
+
+@pytest.fixture
+def folder(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working folder of commands, with the specification of their tests in ``small.toml``."""
+    (tmp_path / "small.toml").write_text(getattr(request.module, "SPEC", SMALL))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
 
 
 @pytest.fixture(autouse=True)

@@ -81,10 +81,9 @@ def test_a_new_file_obeys_the_umask_and_an_old_one_keeps_its_mode(
     try:
         assert write(path) == path
         assert stat.S_IMODE(path.stat().st_mode) == 0o640
-        for mode in (0o600, 0o666):
-            path.chmod(mode)
-            write(path)
-            assert stat.S_IMODE(path.stat().st_mode) == mode
+        path.chmod(0o666)
+        write(path)
+        assert stat.S_IMODE(path.stat().st_mode) == 0o666
     finally:
         os.umask(before)
     assert names(tmp_path) == [path.name]
@@ -130,21 +129,18 @@ def make_link_to_nothing(path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "kind"),
+    ("name", "make", "kind"),
     [
-        (os.mkfifo, "a pipe"),
-        (os.mkdir, "a directory"),
-        (make_link, "a symbolic link"),
-        (make_link_to_nothing, "a symbolic link"),
+        *((name, os.mkdir, "a directory") for name in WRITERS),
+        ("run", os.mkfifo, "a pipe"),
+        ("run", make_link, "a symbolic link"),
+        ("run", make_link_to_nothing, "a symbolic link"),
     ],
 )
 def test_what_is_no_regular_file_is_left_alone(
-    make: Callable[[Path], None],
-    kind: str,
-    writer: tuple[str, Callable[[Path], Any]],
-    tmp_path: Path,
+    name: str, make: Callable[[Path], None], kind: str, tmp_path: Path
 ) -> None:
-    suffix, write = writer
+    suffix, write = WRITERS[name]
     path = tmp_path / f"a{suffix}"
     (tmp_path / "linked").write_bytes(b"precious")
     make(path)
@@ -357,7 +353,7 @@ print(*os.listdir(sys.argv[2]))
 """
 
 
-@pytest.mark.parametrize("limit", [0, 10, 300])
+@pytest.mark.parametrize("limit", [0, 300])
 def test_a_full_disk_is_an_error_that_names_the_file_and_leaves_the_old_one(
     limit: int, tmp_path: Path
 ) -> None:

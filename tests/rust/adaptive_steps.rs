@@ -3,9 +3,9 @@
 
 use crate::tests::scene_of;
 use rigid::body::Body;
+use rigid::call::Call;
 use rigid::forces::{BodyForces, Code, Forces, TorqueFunction};
 use rigid::method::{self, AnyMethod, Method};
-use rigid::parallel::Interrupt;
 use rigid::sample::{Distribution, attitude, uniforms};
 use rigid::simd::Isa;
 use rigid::status::Status;
@@ -50,13 +50,13 @@ impl Case<'_> {
             |body: &Body| self.method.facts.angle_per_step / body.fastest_rate(BodyForces::NONE, [0.0; 2]);
         let steps: Vec<f64> = self.bodies.iter().map(first).collect();
         let request = self.request(AnyMethod::Steps(self.method), &steps, Some(self.tolerance));
-        simulate(&request, self.threads, self.isa, &Interrupt::never()).unwrap()
+        simulate(&request, Call::to_the_end(self.isa, self.threads)).unwrap()
     }
 
     fn exact_states(&self) -> States {
         let steps = vec![f64::INFINITY; self.bodies.len()];
         let request = self.request(AnyMethod::Exact, &steps, None);
-        simulate(&request, self.threads, self.isa, &Interrupt::never()).unwrap()
+        simulate(&request, Call::to_the_end(self.isa, self.threads)).unwrap()
     }
 }
 
@@ -242,7 +242,7 @@ fn refused_tolerances() {
     let refusal = |method: &'static Method, tolerance: f64| {
         let case = case(&bodies, method, tolerance, &[1.0]);
         let request = case.request(AnyMethod::Steps(method), &[0.1], Some(tolerance));
-        simulate(&request, 1, Isa::NARROWEST, &Interrupt::never()).err().expect("refused").to_string()
+        simulate(&request, Call::to_the_end(Isa::NARROWEST, 1)).err().expect("refused").to_string()
     };
     for method in [&method::RK4, &method::SPLITTING] {
         assert!(refusal(method, 1e-9).contains("only the Taylor methods"));

@@ -3,12 +3,12 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 use rigid::body::Body;
+use rigid::call::Call;
 use rigid::error::Error;
 use rigid::forces::Forces;
 use rigid::inertia::{check_moments, nearest_possible, principal_axes};
 use rigid::method;
 use rigid::method::AnyMethod;
-use rigid::parallel::Interrupt;
 use rigid::scene::FREE;
 use rigid::simd::Isa;
 use rigid::status::Status;
@@ -266,7 +266,7 @@ fn the_unit_of_inertia_does_not_matter() {
                 refinement: 1.0,
                 max_steps: 1000,
             };
-            let states = simulate(&request, 1, Isa::NARROWEST, &Interrupt::never()).unwrap();
+            let states = simulate(&request, Call::to_the_end(Isa::NARROWEST, 1)).unwrap();
             assert_eq!(states.status[0], Status::Finished);
             states.rates().to_vec()
         };

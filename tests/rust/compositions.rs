@@ -3,10 +3,10 @@
 
 use crate::tests::scene_of;
 use rigid::body::Body;
+use rigid::call::Call;
 use rigid::error::Error;
 use rigid::forces::Forces;
 use rigid::method::{self, AnyMethod, Method};
-use rigid::parallel::Interrupt;
 use rigid::sample::uniforms;
 use rigid::simd::Isa;
 use rigid::status::Status;
@@ -51,7 +51,7 @@ fn integrate(scene: &Scene, method: AnyMethod, times: &[f64], step: f64) -> Stat
         refinement: 1.0,
         max_steps: u64::MAX,
     };
-    simulate(&request, 1, Isa::available()[0], &Interrupt::never()).unwrap()
+    simulate(&request, Call::to_the_end(Isa::available()[0], 1)).unwrap()
 }
 
 /// Sum of the differences of rates and attitudes; the sign of an attitude is arbitrary.

@@ -190,8 +190,9 @@ fn observe_step(rows: &mut Rows<f64>, begin: f64, before: [f64; 3], after: [f64;
     let engine =
         <Classical as Engine<f64, Free<f64>, Rates, 3>>::new(&BODY, &ForcesInterval::none(), &Numbers::NONE);
     let nothing = Coefficients::new();
-    let segment = Segment { begin, before: &before, after: &after, dense: &nothing };
-    <Flips as Update<f64, Free<f64>, Rates, 3>>::after_step(Flips, &engine, &BODY, rows, &segment);
+    let (before, after, dense) = (&before, &after, &nothing);
+    let segment = Segment { engine: &engine, p: &BODY, begin, before, after, dense };
+    <Flips as Update<f64, Free<f64>, Rates, 3>>::after_step(Flips, rows, &segment);
 }
 
 /// A step that ends exactly at zero has not yet flipped, whatever the sign of the zero.

@@ -3,21 +3,19 @@
 
 use crate::tests::scene_of;
 use rigid::body::Body;
+use rigid::call::Call;
 use rigid::forces::Forces;
 use rigid::kernel::{Compiled, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
 use rigid::kernel::{ForcesRows, Group};
 use rigid::method::{self, AnyMethod, Method, Step};
 use rigid::observe::Observed;
-use rigid::parallel::Interrupt;
 use rigid::sample::{Distribution, attitude, uniforms};
 use rigid::scene::FREE;
 use rigid::simd::Isa;
 use rigid::simd::LANES;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
-
-static GO: Interrupt = Interrupt::never();
 
 fn bits(numbers: &[f64]) -> Vec<u64> {
     numbers.iter().map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() }).collect()
@@ -134,7 +132,7 @@ fn integrate(
         refinement: 1.0,
         max_steps: 5000,
     };
-    simulate(&request, threads, isa, &GO).unwrap()
+    simulate(&request, Call::to_the_end(isa, threads)).unwrap()
 }
 
 fn all_bits(states: &States) -> Vec<u64> {
@@ -226,7 +224,7 @@ fn adaptive_steps_of_a_body_alone_are_those_beside_others() {
                         refinement: 1.0,
                         max_steps: 5000,
                     };
-                    simulate(&request, 1, isa, &GO).unwrap()
+                    simulate(&request, Call::to_the_end(isa, 1)).unwrap()
                 };
                 let together = run(&bodies, &all, Isa::NARROWEST);
                 let lost = together.status.iter().position(|&status| status != Status::Finished);
@@ -337,7 +335,7 @@ fn damping_that_adds_energy_and_unstable_steps_are_refused() {
                 refinement: 1.0,
                 max_steps: 100_000,
             };
-            simulate(&request, 1, Isa::NARROWEST, &GO)
+            simulate(&request, Call::to_the_end(Isa::NARROWEST, 1))
         };
         let [.., rate] = stiff.of(0).damping.rates(bodies[0].moments);
         match method.damping_limit() {

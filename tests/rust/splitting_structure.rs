@@ -4,12 +4,12 @@
 use crate::tests::scene_of;
 use nalgebra::{Quaternion, SVector, Unit, UnitQuaternion, Vector3};
 use rigid::body::Body;
+use rigid::call::Call;
 use rigid::forces::{Forces, ForcesInterval};
 use rigid::method::{
     self, AnyMethod, ComposedPlanar, Engine, ExactRotor, Flow, KickRotor, Method, Numbers, Planar,
     Rk4Tableau, Round, RungeKutta, Splitting,
 };
-use rigid::parallel::Interrupt;
 use rigid::real::Real;
 use rigid::sample::{Distribution, attitude, uniforms};
 use rigid::scene::{Attitude, AxisAttitude, Free, Layout, Model, Parameters, Top};
@@ -304,7 +304,7 @@ fn run(bodies: &[Body], is_top: bool, method: &'static Method) -> States {
         refinement: 1.0,
         max_steps: 1000,
     };
-    simulate(&request, 1, Isa::available()[0], &Interrupt::never()).unwrap()
+    simulate(&request, Call::to_the_end(Isa::available()[0], 1)).unwrap()
 }
 
 /// The body with its axes renamed: new axis i is old axis i + 1. The quaternion of the renaming is

@@ -2,6 +2,7 @@
 
 use crate::tests::scene_of;
 use rigid::body::Body;
+use rigid::call::Call;
 use rigid::forces::{BodyForces, Forces, ForcesInterval, ParameterChange};
 use rigid::kernel::{
     Compiled, DeviationRows, Entry, ForcesRows, Group, Kernel, KernelAssignment, System, load,
@@ -11,7 +12,6 @@ use rigid::method::{
     Rk4Tableau, Round, RungeKutta, Splitting, Taylor,
 };
 use rigid::observe::{Deviation, Growth, MAX_ROWS, Observed};
-use rigid::parallel::Interrupt;
 use rigid::real::{Outlined, Real};
 use rigid::scene::{
     Axis, AxisTangent, ForcedFrame, ForcedFrameTangent, Free, Layout, Model, Parameters, Top,
@@ -233,7 +233,7 @@ fn deviations(
         tolerance,
         max_steps: 1 << 20,
     };
-    simulate(&request, threads, isa, &Interrupt::never()).unwrap().tangent.unwrap()
+    simulate(&request, Call::to_the_end(isa, threads)).unwrap().tangent.unwrap()
 }
 
 #[test]

@@ -3,9 +3,9 @@
 use crate::tests::scene_of;
 use nalgebra::{DMatrix, DVector};
 use rigid::body::Body;
+use rigid::call::Call;
 use rigid::forces::{BodyForces, Forces, ForcesInterval};
 use rigid::method::{self, AnyMethod, Engine, Method, Taylor};
-use rigid::parallel::Interrupt;
 use rigid::sample::{Distribution, attitude, uniforms};
 use rigid::scene::{Attitude, Axis, Free, Layout, Model, Parameters, Top};
 use rigid::simd::Isa;
@@ -27,7 +27,7 @@ fn run(bodies: &[Body], method: AnyMethod, step: f64, times: &[f64]) -> States {
         refinement: 1.0,
         max_steps: u64::MAX,
     };
-    simulate(&request, 1, Isa::available()[0], &Interrupt::never()).unwrap()
+    simulate(&request, Call::to_the_end(Isa::available()[0], 1)).unwrap()
 }
 
 fn series() -> impl Iterator<Item = &'static Method> {

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import rigid
-from physics import METHODS, Floats
+from physics import METHODS, Floats, moves
 from rigid.model.scene import Scene
 from rigid.solve.columns import Column
 
@@ -54,7 +54,7 @@ def _driven(mass: float, time: float) -> Scene:
     unit = mass / time**2
     table = unit * AXES[:, None] * SIZE[:, None, None] * [[0.0], [0.2], [0.1]]
     pushed = unit * np.where(SOME, SIZE, 0.0)[:, None] * [0.1, 0.0, 0.2]
-    torque = rigid.Torque.body(table, times=time * np.array([-1.0, 0.5, 6.0]))
+    torque = rigid.Torque.body(table, times=time * np.array([-2.0, 0.5, 6.0]))
     return rigid.HeavyTop(
         _many(mass),
         mgl=unit * SHARES * SIZE,
@@ -115,6 +115,11 @@ SCENES: dict[str, Scenes] = {
     ),
     "top": lambda mass, time: rigid.HeavyTop(
         _one((1.0, 1.5, 2.0), mass), mgl=3.0 * mass / time**2, com=(0.48, -0.64, 0.6)
+    ),
+    "driven": lambda mass, time: rigid.FreeBody(
+        _one((1.0, 1.625, 0.75), mass),
+        damping=0.25 * mass / time,
+        torque=rigid.Torque.body(mass / time**2 * np.array([0.5, 0.0, 0.25])),
     ),
     "free bodies": lambda mass, _: rigid.FreeBody(_many(mass)),
     "tops": lambda mass, time: rigid.HeavyTop(
@@ -245,6 +250,10 @@ Door = Callable[[Scene, Any, float, float, int], list[dict[str, Any]]]
 DOORS: dict[str, Door] = {
     **{m.name: partial(simulated, method=m.name, step=0.05, check=False) for m in METHODS},
     "etd4": partial(simulated, method="etd4", step=0.05, check=False),
+    **{
+        f"{name} in checked steps": partial(simulated, method=name)
+        for name in ("rk4", "dop853", "etd4", "splitting", "midpoint", "taylor16")
+    },
     "chosen method": simulated,
     "an accuracy": partial(simulated, accuracy=1e-6),
     "an accuracy of a method": partial(simulated, accuracy=1e-7, method="dop853"),
@@ -278,7 +287,7 @@ def opens(name: str, scene: Scene) -> bool:
     words, forces = set(name.split()), set(scene.forces)
     method = next((m for m in rigid.methods() if m.name in words), None)
     if method is not None:
-        return forces <= set(method.forces) and (method.tops or not scene.directions)
+        return moves(method, scene)
     if "function" in forces:
         return name == "motion"  # the others take seconds in Python
     if "splittings" in words:

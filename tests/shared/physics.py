@@ -118,6 +118,11 @@ def telling(step: float, method: rigid.Method) -> float:
     return float(step ** (4.0 / max(method.order, 4)))
 
 
+def moves(method: rigid.Method, scene: Scene) -> bool:
+    """Whether the method knows what acts on the scene."""
+    return (method.tops or not scene.directions) and set(scene.forces) <= set(method.forces)
+
+
 def present(array: Floats | None) -> Floats:
     """The array, which must be there."""
     assert array is not None

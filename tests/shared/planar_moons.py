@@ -1,6 +1,7 @@
 """A moon whose long axis turns in the plane of its orbit, by SciPy."""
 
 import math
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ Floats = NDArray[np.float64]
 MOMENTS = (1.0, 1.3, 1.6)
 
 
+@cache
 def planar(
     theta: float, rate: float, e: float, t_end: float, anomaly: float = 0.0, count: int = 40_001
 ) -> tuple[Floats, Floats, Floats]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib.util import find_spec
 from math import isnan, nan
 
 
@@ -40,6 +41,8 @@ class Entry:
         Why the number of a model lies outside the interval; empty where it must lie inside.
     model : float
         The number of that model by another way; NaN where there is no reason.
+    needs : str
+        A package without which the number would take hours; empty for most.
     """
 
     name: str
@@ -54,6 +57,7 @@ class Entry:
     compute: Callable[[], float]
     reason: str = ""
     model: float = nan
+    needs: str = ""
 
     def __post_init__(self) -> None:
         if self.digits is None:
@@ -66,6 +70,11 @@ class Entry:
             object.__setattr__(self, "within", float(error or f"5e-{decimals + 1}"))
         if not self.interval:
             object.__setattr__(self, "interval", "stated error" if error else "rounding")
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether the package that it needs is installed."""
+        return not self.needs or find_spec(self.needs) is not None
 
     @property
     def digits(self) -> str | None:

@@ -11,6 +11,7 @@ from importlib import import_module, resources
 from typing import Any
 
 from .._checks.arguments import one_of
+from .._checks.extras import install_extra
 from .._checks.progress import ProgressOption, reporting
 from .._checks.shown import aligned, wrapped
 from ..drawing.figure import html_table
@@ -159,7 +160,8 @@ def validation(
     Parameters
     ----------
     names : str or iterable of str, optional
-        Only the entries of these names; by default all.
+        Only the entries of these names; by default all, but those whose torque numba must compile
+        only where it is installed.
     progress : bool or callable, optional
         As of :func:`stability_map`.
 
@@ -171,6 +173,8 @@ def validation(
     ------
     ValueError
         If there is no entry of such a name.
+    ImportError
+        If such an entry needs numba, which is not installed.
 
     Examples
     --------
@@ -180,8 +184,14 @@ def validation(
     ('7.40 ± 0.03', 7.4, True)
     """
     known = {entry.name: entry for entry in entries()}
-    wanted = list(known) if names is None else [names] if isinstance(names, str) else list(names)
-    chosen = [known[one_of("names", name, known)] for name in wanted]
+    if names is None:
+        chosen = [entry for entry in known.values() if entry.is_ready]
+    else:
+        wanted = [names] if isinstance(names, str) else list(names)
+        chosen = [known[one_of("names", name, known)] for name in wanted]
+    for entry in chosen:
+        if not entry.is_ready:
+            raise ImportError(install_extra(f"{entry.name} needs {entry.needs}", entry.needs))
     rows: list[Compared] = []
     with reporting(progress, len(chosen), unit=" numbers") as report:
         for done, entry in enumerate(chosen, start=1):

@@ -25,12 +25,6 @@ EXCLUSIVE = (
 )
 """Places whose parameters exclude each other, and why."""
 
-_OF_ALL = {
-    **dict.fromkeys(("noise", "attitude_noise"), "both say how large the noise is"),
-    **{name: f"both set the {name}" for name in ("damping", "dissipation", "drag")},
-}
-"""Places of which a parameter sets all numbers, or one, and why not both."""
-
 
 @dataclass(frozen=True, slots=True)
 class Axis:
@@ -166,12 +160,13 @@ def check_places(argument: str, named: Sequence[Named]) -> None:
 
 def check_once(argument: str, named: Sequence[Named]) -> None:
     """Raise ValueError if two parameters set one number."""
-    for place, reason in _OF_ALL.items():
+    for place in dict.fromkeys(one.parameter.place for one in named):
         mine = _at(named, place)
+        # A parameter without an index sets all numbers of a place.
         whole, parts = (
             [a for a in mine if bool(a.parameter.index) is part] for part in (False, True)
         )
-        _check_exclusive(argument, whole, parts, reason)
+        _check_exclusive(argument, whole, parts, f"both set the {place}")
     _check_moments(argument, _at(named, "moments"))
 
 

@@ -301,6 +301,14 @@ def crosses(
         crosses, an argument of another quantity. A run refuses directions and angles of an orbit
         that its scene does not have.
 
+    Notes
+    -----
+    A function takes ``(t, omega, attitude)`` and returns a number: of time (s), rates in the body
+    (rad/s), and the unit quaternion from the body to space, scalar first. Then may follow
+    ``states`` and ``orbit_position``, which are those of a function of :meth:`Torque.call`; numba
+    compiles both alike. The scalar of the quaternion is not negative: where it would
+    pass zero, the quaternion changes its sign, and with it what is linear in the quaternion.
+
     Examples
     --------
     When does a box that turns about its middle axis flip?

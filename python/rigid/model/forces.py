@@ -168,6 +168,9 @@ class Force(Generic[Value]):
         Whether the numbers are in proportion to the mass of the body.
     in_space : bool
         Whether the torque depends on the attitude.
+    guess : tuple of (float, int), or None
+        How far off a first guess of a fit may be: this share of the largest moment times a power of
+        the rates; None if a fit knows no such size.
     """
 
     name: ClassVar[str]
@@ -177,6 +180,7 @@ class Force(Generic[Value]):
     has_corner: ClassVar[bool] = False
     has_mass: ClassVar[bool] = True
     in_space: ClassVar[bool] = False
+    guess: ClassVar[tuple[float, int] | None] = None
 
     def checked(self, given: Any) -> Value | None:
         """The given value, as a value of one body or of each; None if it is zero.
@@ -206,6 +210,10 @@ class Force(Generic[Value]):
     def made(self, numbers: Any) -> Value | None:
         """The value with these numbers; None if they are zero."""
         return self.checked(numbers)
+
+    def varied(self, value: Value | None, numbers: Floats) -> Value | None:
+        """The value like another one with the numbers that parameters set, of each body."""
+        return self.made(numbers)
 
     def to_data(self, value: Value) -> Any:
         """The value in the form that files hold."""
@@ -253,6 +261,7 @@ class Dissipation(Force[EnergySink]):
     name = "dissipation"
     title = "coefficients of the energy sink"
     unit = "kg m² s"
+    guess = 0.1, -1
 
     def checked(self, given: Any) -> EnergySink | None:
         """The sink, if it drains energy."""
@@ -292,6 +301,12 @@ class GravityGradient(Force[Orbit]):
         """The orbit with these numbers."""
         return Orbit.of_numbers(numbers)
 
+    def varied(self, value: Orbit | None, numbers: Floats) -> Orbit | None:
+        """The orbit with these rates, eccentricities and anomalies."""
+        assert value is not None
+        rate, e, anomaly = numbers.T
+        return Orbit(rate, e, anomaly, value.normal, value.periapsis)
+
     def of(self, value: Orbit, shape: Shape, index: Index) -> Orbit | None:
         """The orbits of some of the bodies."""
         if not value.shape:
@@ -329,6 +344,7 @@ class Rotor(Force[Momentum]):
     title = "angular momentum of the rotor"
     unit = "kg m²/s"
     is_vector = True
+    guess = 0.1, 1
 
     def checked(self, given: Any) -> Momentum | None:
         """The momentum, or its table."""
@@ -364,6 +380,7 @@ class Drag(Force[Vector | Floats]):
     title = "coefficients of the drag"
     unit = "N m s²"
     has_corner = True
+    guess = 0.1, 0
 
     def torque(self, numbers: Floats, omega: Floats) -> Floats:
         """``-|omega| C omega``."""

@@ -16,6 +16,7 @@ from .._checks.arrays import Floats
 from .._core import MOST_STATES
 from .batch import ByValue, Index, Shape, axes_of, batch_shape, frozen, taken
 from .compiling import UNKNOWN, Callback, of_python
+from .sampled import require_place
 
 NO_STATES = "states: the scene has none; give Torque.call(..., states=k)"
 
@@ -102,10 +103,10 @@ class TorqueFunction(ByValue):
             return ()
         return (f"Python calls the torque, some 5 µs for each body and stage: {why}",)
 
-    def check_place(self, has_orbit: bool) -> None:
-        """Raise ValueError for a function that asks for a place on an orbit if there is none."""
-        if self.callback.asks_place and not has_orbit:
-            raise ValueError("orbit_position: the function takes it, but the scene has no orbit")
+    def check_place(self, orbit: object) -> None:
+        """Raise ValueError if it asks for a place that this orbit, or None, does not tell."""
+        if self.callback.asks_place:
+            require_place("the function", orbit)
 
     @property
     def shape(self) -> Shape:

@@ -135,20 +135,7 @@ class Orbit(ByValue):
             if anomaly is not None:
                 raise ValueError("anomaly, true_anomaly: give one of them")
             mean = _mean_anomaly(shaped("true_anomaly", true_anomaly, unit="rad"), e)
-        axis = unit_vectors("normal", normal)
-        begin = unit_vectors("periapsis", periapsis)
-        along = np.sum(axis * begin, axis=-1, keepdims=True)
-        if np.any(np.abs(along) > 2.0 * UNIT):  # each vector may be off by UNIT
-            index, place = first_place(np.abs(along[..., 0]) > 2.0 * UNIT)
-            given = np.broadcast_to(begin, (*along.shape[:-1], 3))[index].tolist()
-            raise ValueError(
-                f"periapsis{place} = {given}: must be at right angles to normal, their product is "
-                f"{along[index][0]:g}, above {2.0 * UNIT:g}"
-            )
-        # Vectors perpendicular to rounding stay: a file gives back the same orbit.
-        turned = begin - along * axis
-        turned = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
-        begin = np.where(np.abs(along) > _ROUNDED, turned, begin)
+        axis, begin = _plane(normal, periapsis, "periapsis")
         of_each, most = np.broadcast_arrays(
             mean, np.where(e > 1.0, _LARGEST_OF_HYPERBOLA, _LARGEST_ANOMALY)
         )
@@ -238,8 +225,8 @@ class Orbit(ByValue):
         nearest = shaped("periapsis", periapsis, positive=True, unit="m")
         fast = shaped("speed", speed, positive=True, unit="m/s")
         passage = shaped("time", time, unit="s")
-        rate = fast**3 / mu
-        return cls(rate, 1.0 + nearest * fast**2 / mu, -rate * passage, normal, towards)
+        rate, plane = fast**3 / mu, _plane(normal, towards, "towards")
+        return cls(rate, 1.0 + nearest * fast**2 / mu, -rate * passage, *plane)
 
     @staticmethod
     def table(t: ArrayLike, positions: ArrayLike, gm: float) -> OrbitTable:
@@ -649,6 +636,29 @@ _USUAL: Mapping[str, Any] = {
 def _sign(e: Floats) -> Floats:
     """1 of an ellipse, -1 of a hyperbola, whose first semi-axis leads away from the periapsis."""
     return np.where(e > 1.0, -1.0, 1.0)
+
+
+def _plane(normal: ArrayLike, direction: ArrayLike, name: str) -> tuple[Floats, Floats]:
+    """The normal of an orbit, and the direction of its periapsis made perpendicular to it.
+
+    Raises
+    ------
+    ValueError
+        If one is no unit vector, or the two are not at right angles; ``name`` is the argument.
+    """
+    axis, begin = unit_vectors("normal", normal), unit_vectors(name, direction)
+    along = np.sum(axis * begin, axis=-1, keepdims=True)
+    if np.any(np.abs(along) > 2.0 * UNIT):  # each vector may be off by UNIT
+        index, place = first_place(np.abs(along[..., 0]) > 2.0 * UNIT)
+        given = np.broadcast_to(begin, (*along.shape[:-1], 3))[index].tolist()
+        raise ValueError(
+            f"{name}{place} = {given}: must be at right angles to normal, their product is "
+            f"{along[index][0]:g}, above {2.0 * UNIT:g}"
+        )
+    # Vectors perpendicular to rounding stay: a file gives back the same orbit.
+    turned = begin - along * axis
+    turned = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
+    return axis, np.where(np.abs(along) > _ROUNDED, turned, begin)
 
 
 def _mean_anomaly(true: Floats, e: Floats) -> Floats:

@@ -18,9 +18,9 @@ from .. import _core
 from .._checks.arrays import Floats
 from .._moments import box_moments
 from .body import Body
-from .forces import FORCES, EnergySink
+from .forces import FORCES
 from .noise import Noise
-from .orbit import HYPERBOLA, MOST_ECCENTRIC, Orbit
+from .orbit import HYPERBOLA, MOST_ECCENTRIC
 from .sampled import Sampled
 from .scene import HeavyTop, Scene
 from .start import Start, cos_sin
@@ -258,6 +258,8 @@ class Place:
         derivative by them.
     slopes : callable
         ``slopes(scene)``: the derivatives of these numbers of the core, shape (..., k, numbers).
+    guess : tuple of (float, int), or None
+        How far off a first guess of a fit may be: see :class:`Force`.
     """
 
     read: Callable[[Any, Start], ArrayLike]
@@ -266,6 +268,7 @@ class Place:
     sets: tuple[str, ...] = ()
     first: int | None = None
     slopes: Callable[[Any], Floats] = _alike
+    guess: tuple[float, int] | None = None
 
 
 def _or_zero(value: ArrayLike | None, *shape: int) -> Floats:
@@ -310,7 +313,7 @@ def _further(name: str) -> Place:
         return np.zeros(3) if value is None else np.asarray(force.numbers(value))
 
     why_not = _anywhere if name in HeavyTop.__slots__ else _needs_constant
-    return Place(read, 1, why_not, (name,), _OF_FORCES[name])
+    return Place(read, 1, why_not, (name,), _OF_FORCES[name], guess=force.guess)
 
 
 def _slopes_of_weight(scene: Any) -> Floats:
@@ -357,12 +360,19 @@ PLACES: Mapping[str, Place] = {
     "moments": Place(lambda scene, _: scene.body.moments, 1, first=0),
     "box": Place(lambda scene, _: (*scene.body.sides, scene.body.mass), 1, _needs_box),
     "semi-axes": Place(_semi_axes, 1, sets=("I1", "I2")),
-    "mgl": Place(lambda scene, _: scene.mgl, 0, _needs_weight, first=3, slopes=_slopes_of_weight),
+    "mgl": Place(
+        lambda scene, _: scene.mgl,
+        0,
+        _needs_weight,
+        first=3,
+        slopes=_slopes_of_weight,
+        guess=(1.0, 2),
+    ),
     "com": Place(lambda scene, _: scene.com, 1, _needs_weight, ("com",), 3, _slopes_of_com),
     "com angles": Place(_angles_of_com, 2, _needs_weight, ("com",)),
-    "damping": Place(_damping, 1, _needs_diagonal_damping, first=6),
-    "torque": Place(_torque_in_body, 1, _needs_constant_torque, first=12),
-    **{name: _further(name) for name in ("rotor", "dissipation", "drag")},
+    "damping": Place(_damping, 1, _needs_diagonal_damping, first=6, guess=(0.1, 1)),
+    "torque": Place(_torque_in_body, 1, _needs_constant_torque, first=12, guess=(0.1, 2)),
+    **{name: _further(name) for name in FORCES if name != "orbit"},
     "orbit": Place(
         lambda scene, _: scene.orbit.numbers[..., :3],
         1,
@@ -590,8 +600,12 @@ def scene_of(scene: Scene, numbers: Mapping[str, Floats], moments: Floats) -> Sc
         If all components of the direction to a centre of mass are zero.
     """
     own: dict[str, Any] = {
-        name: numbers[name] for name in ("mgl", "rotor", "drag") if name in numbers
+        name: force.varied(getattr(scene, name), numbers[name])
+        for name, force in FORCES.items()
+        if name in numbers
     }
+    if "mgl" in numbers:
+        own["mgl"] = numbers["mgl"]
     if "damping" in numbers:
         own["damping"] = numbers["damping"][:, :, np.newaxis] * np.eye(3)
     elif scene.damping is not None:
@@ -612,13 +626,6 @@ def scene_of(scene: Scene, numbers: Mapping[str, Floats], moments: Floats) -> Sc
             in_space = np.broadcast_to(scene.torque.in_space, np.shape(part.in_body))
             part = replace(part, in_space=in_space, function=scene.torque.function)
         own["torque"] = part
-    if "dissipation" in numbers:
-        own["dissipation"] = EnergySink(numbers["dissipation"])
-    if "orbit" in numbers:
-        known = scene.orbit
-        assert known is not None
-        rate, e, anomaly = numbers["orbit"].T
-        own["orbit"] = Orbit(rate, e, anomaly, known.normal, known.periapsis)
     body = Body(moments, physical=scene.body.physical)
     made: Scene = replace(scene, body=body, **own)  # type: ignore[type-var]
     return made

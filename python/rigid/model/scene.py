@@ -226,6 +226,14 @@ class Scene(ByValue, ABC):
         return by_torque or any(isinstance(value, Sampled) for _, value in self.further())
 
     @property
+    def known_until(self) -> float:
+        """The time (s) at which the first table of a force ends; infinite without a table."""
+        tables = [value.t for _, value in self.further() if isinstance(value, Sampled)]
+        if self.torque is not None and self.torque.times:
+            tables.append(np.array(self.torque.times))
+        return min((float(times[-1]) for times in tables), default=np.inf)
+
+    @property
     def bounds_rates(self) -> bool:
         """Whether a bound of the rates is known; under a callback only if its bound is given."""
         function = None if self.torque is None else self.torque.function

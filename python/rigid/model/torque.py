@@ -173,7 +173,8 @@ class Torque(ByValue):
 
         A function whose last argument is named ``orbit_position`` is told the place of the body on
         its ``orbit``, from the planet, along the axes of space, over the semi-major axis of an
-        ellipse or a hyperbola (3): times ``(gm / rate**2)**(1/3)`` it is a length.
+        ellipse or a hyperbola (3): times ``(gm / rate**2)**(1/3)`` it is a length. The positions of
+        :meth:`Orbit.table` are not told.
 
         A function at an address is called for each body, and has the signature ::
 
@@ -579,7 +580,7 @@ def forces_of(
     if torque is None and damping is None and not further:
         return None
     if torque is not None and torque.function is not None:
-        torque.function.check_place("orbit" in further)
+        torque.function.check_place(further.get("orbit"))
     d = np.zeros((3, 3)) if damping is None else np.asarray(damping)
     entries = d[..., [0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]
     none = np.empty((0, 3))

@@ -172,8 +172,7 @@ def _bits(ensemble: Ensemble, method: str) -> object:
     """The bits of the states after some steps of several lengths."""
     if method == EXACT or method in ensemble.spec.schemes:
         return method
-    rate, torque = float(ensemble.rates.max()), ensemble.spec.scene.torque
-    known = torque.times[-1] if torque is not None and torque.times else math.inf
+    rate, known = float(ensemble.rates.max()), ensemble.spec.scene.known_until
     every: list[tuple[bytes, bytes] | None] = []
     for angle in ANGLES:
         step = min(angle / rate if rate > 0.0 else ensemble.spec.t_end, known / STEPS)

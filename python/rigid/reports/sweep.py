@@ -394,7 +394,8 @@ def time_sweeps(
 def _time_steps(ensemble: Ensemble, method: str, steps: int, work: float) -> float:
     """Processor time of a body until ``t_end`` (ns); ``work`` is about the time of the ensemble."""
     times = max(1, math.ceil(WORK / max(work, 1.0)))
-    times = min(times, max(1, MOST_STEPS // steps))
+    reach = ensemble.spec.scene.known_until / ensemble.spec.t_end
+    times = int(min(times, max(1.0, min(MOST_STEPS // steps, reach))))
     run = ensemble.run(method, steps, times=times)
     return run.nanoseconds * steps / (float(run.steps.mean()) * ensemble.spec.bodies)
 

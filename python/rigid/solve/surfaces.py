@@ -16,7 +16,7 @@ from ..model.compiling import Callback, Taken, of_state, taken_by
 from ..model.events import Event
 from ..model.frame import turned
 from ..model.orbit import Orbit
-from ..model.sampled import RotorTable, Sampled
+from ..model.sampled import RotorTable, Sampled, require_place
 from ..model.scene import Scene
 from .arrays import in_rows, lengths
 from .bodies import Bodies
@@ -55,10 +55,8 @@ def default_tolerance(forces: Collection[str]) -> float:
     return FUNCTION_TOLERANCE if "function" in forces else TOLERANCE
 
 
-_WIDTHS: Mapping[str, tuple[int, ...]] = {
-    **{"normal": (6,), "momentum": (3,), "square": (), "states": (MOST_STATES,), "value": ()}
-}
-"""Coefficients of a surface of a body, and how many numbers each has."""
+_OF_SURFACES = ("normal", "momentum", "square", "states", "value")
+"""Coefficients of the surfaces of each body."""
 
 _OF_BODIES = ("starts", "rotor", "orbit", "ends")
 """What each body has once, whatever its surfaces."""
@@ -194,7 +192,8 @@ class Search:
 
     def _points(self) -> dict[str, NDArray[Any]]:
         """The columns of the core for all bodies."""
-        rows = {name: getattr(self, name).reshape(-1, *width) for name, width in _WIDTHS.items()}
+        parts = [np.atleast_3d(getattr(self, name)) for name in _OF_SURFACES]
+        surfaces = np.concatenate(parts, axis=-1)
         found = _core.section(
             self.bodies,
             method=self.method,
@@ -204,7 +203,7 @@ class Search:
                 (0, False) if one is None else (one.callback.address, one.callback.of_eight)
                 for one in self.functions
             ],
-            **{name: np.ascontiguousarray(array) for name, array in rows.items()},
+            surfaces=np.ascontiguousarray(surfaces.reshape(-1, surfaces.shape[-1])),
             ends=self.ends,
             count=2**63 - 1 if self.count is None else self.count,
             closed=self.closed,
@@ -218,7 +217,7 @@ class Search:
 
     def _select(self, some: NDArray[np.intp]) -> Self:
         """The search of some bodies."""
-        own = {name: getattr(self, name)[some] for name in (*_WIDTHS, *_OF_BODIES)}
+        own = {name: getattr(self, name)[some] for name in (*_OF_SURFACES, *_OF_BODIES)}
         return replace(self, bodies=self.bodies.select(some), **own)
 
     @property
@@ -488,8 +487,8 @@ def _called(event: Event, scene: Scene, frame: Floats | None) -> Called | None:
     takes_states, asks_place = taken_by(function)
     if takes_states and not scene.states:
         raise ValueError(f"states: {event.name} takes them; give Torque.call(..., states=k)")
-    if asks_place and scene.orbit is None:
-        raise ValueError(f"orbit_position: {event.name} takes it, but the scene has no orbit")
+    if asks_place:
+        require_place(event.name, scene.orbit)
     return Called(function, *of_state(function, scene.states))
 
 

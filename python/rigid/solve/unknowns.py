@@ -13,7 +13,7 @@ from .._checks.arguments import brief
 from .._checks.arrays import Floats
 from ..model.forces import FORCES
 from ..model.orbit import HYPERBOLA, MOST_ECCENTRIC
-from ..model.parameters import AT_REST, PARAMETERS, numbers_of, scene_of
+from ..model.parameters import AT_REST, PARAMETERS, PLACES, numbers_of, scene_of
 from ..model.scene import Scene
 from ..rotations.so3 import exp_so3, over, rodrigues
 from .simulate import simulate
@@ -61,18 +61,9 @@ _MOUNTED = 0.3, math.pi / 4.0
 Beyond 45 degrees the same body has its principal axes in another order, nearer to the gyroscope's.
 """
 
-_SIZES = {
-    "mgl": (1.0, 2),
-    "damping": (0.1, 1),
-    "torque": (0.1, 2),
-    "rotor": (0.1, 1),
-    "dissipation": (0.1, -1),
-    "drag": (0.1, 0),
-}
-"""How far off a first guess may be: this share of the largest moment times a power of the rates."""
-
 _OF_ORBIT = (0.1, 0.1, 1.0)
-"""The same of an orbit: of its rate as a share, of its eccentricity and its anomaly."""
+"""How far off a first guess of an orbit may be: of its rate as a share, of its eccentricity and its
+anomaly."""
 
 
 class Unknowns:
@@ -148,8 +139,8 @@ class Unknowns:
                         low[k] = _EDGE * first[k]
                     elif name == "eccentricity":
                         low[k], high[k] = HYPERBOLA if first[k] > 1.0 else (0.0, MOST_ECCENTRIC)
-                else:
-                    share, power = _SIZES[row.place]
+                elif guess := PLACES[row.place].guess:
+                    share, power = guess
                     sizes[k] = share * unit * mean**power
                     if name == "mgl":
                         sizes[k] = first[k] or sizes[k]
@@ -329,12 +320,17 @@ def _taken(
     return np.stack(parts, axis=-1)
 
 
+def _has_size(place: str) -> bool:
+    """Whether a fit knows how far off a first guess of numbers in this place may be."""
+    return place == "orbit" or PLACES[place].guess is not None
+
+
 def _checked_names(scene: Scene, free: str | Sequence[str]) -> tuple[str, ...]:
     """The names of the free parameters: not of the direction to a centre of mass alone."""
     rows = {
         name: PARAMETERS[name]
         for name in differentiable(scene)
-        if name not in (*MOMENTS, "damping") and PARAMETERS[name].place != "com"
+        if name not in (*MOMENTS, "damping") and _has_size(PARAMETERS[name].place)
     }
     known = (*MOMENTS, *RATIOS, *rows, *_GROUPS, *START, *BIAS, *SCALE, *SENSOR)
     names = checked_names(

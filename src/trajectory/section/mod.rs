@@ -14,14 +14,15 @@ use super::adaptive_lanes::AdaptiveLanes;
 use super::states::{invariant_errors, worse};
 use super::{Request, check_forced, invariants_at_start, kinds_in};
 use crate::body::Body;
-use crate::error::Error;
-use crate::exact::{CanonicalForm, Evaluator, EvaluatorKind, Question, StartRows, StateRows};
+use crate::call::Call;
+use crate::error::{Error, refuse};
+use crate::exact::{CanonicalForm, Evaluator, Question, StartRows, StateRows};
 use crate::forces::{Bounded, ForceSet, MOST_STATES, TorqueCall};
 use crate::kernel::{Entry, Job, Kernel, KernelAssignment, Needs, State, System, drive, load, read, unload};
 use crate::memory;
 use crate::method::{Method, Step};
 use crate::observe::Observed;
-use crate::parallel::{Interrupt, over_blocks};
+use crate::parallel::over_blocks;
 use crate::scene::TOP;
 use crate::simd::{Isa, LANES};
 use crate::status::{DRIFT_LIMIT, Status};
@@ -165,23 +166,20 @@ pub fn section(
     request: &Request,
     method: &Method,
     section: &Section,
-    threads: usize,
-    isa: Isa,
-    stop: &Interrupt,
+    call: Call,
 ) -> Result<Vec<Crossings>, Error> {
     let n = request.bodies.len();
     assert_eq!(section.surfaces.len(), n * section.kinds.len());
     assert_eq!(section.ends.len(), n);
     method.check(request.scene)?;
-    let refused = |argument, value, rule| Err(Error::Value { argument, value, rule });
     if section.kinds.len() > MOST_KINDS {
         let rule = "a run watches 32 at most";
-        return refused("events", section.kinds.len().to_string(), rule);
+        return refuse("events", section.kinds.len(), rule);
     }
     let in_orbit = |kind: &SurfaceKind| kind.pointing.is_some_and(|pointing| pointing.in_orbit);
     let has_orbit = |body: usize| request.forces_of(body).further.orbit.normal().is_some();
     if section.kinds.iter().any(in_orbit) && !(0..n).all(has_orbit) {
-        return refused("events", "a direction of the orbit".into(), "the bodies are on no orbit");
+        return refuse("events", "a direction of the orbit", "the bodies are on no orbit");
     }
     let forces = ForceSet::from(request.forces.of(0));
     if !method.is_known_inside(forces) {
@@ -190,11 +188,11 @@ pub fn section(
         } else {
             "only a Taylor method is a polynomial inside its steps, of which no crossing is missed"
         };
-        return refused("method", format!("'{}'", method.facts.name), rule);
+        return method.refuse(rule);
     }
     let given = request.tolerance.unwrap_or(f64::NAN);
     if !(f64::MIN_POSITIVE..1.0).contains(&given) {
-        return refused("tolerance", format!("{given:e}"), "must be positive and below one");
+        return refuse("tolerance", format_args!("{given:e}"), "must be positive and below one");
     }
     if !request.forces.is_none() {
         check_forced(request, method)?;
@@ -211,9 +209,9 @@ pub fn section(
     };
     let mut all = memory::filled("sections of bodies", n, none)?;
     let points = AtomicU64::new(0);
-    let size = n.div_ceil(4).div_ceil(threads.max(1)).clamp(LANES, BLOCK);
+    let size = n.div_ceil(4).div_ceil(call.threads.max(1)).clamp(LANES, BLOCK);
     let blocks = all.chunks_mut(size).enumerate().map(|(index, part)| (index * size, part));
-    over_blocks(blocks, threads, stop, |(first, crossings)| {
+    over_blocks(blocks, call.threads, call.stop, |(first, crossings)| {
         let block = first..first + crossings.len();
         let mut integrations = memory::reserved("bodies of a block", block.len())?;
         for index in block.clone() {
@@ -222,7 +220,7 @@ pub fn section(
         for members in kinds_in(block.clone(), |index| integrations[index - first].kind())? {
             let own = (&mut *crossings, &points);
             let mut job =
-                SectionJob::new(request, section, &integrations, block.clone(), &members, own, (isa, stop))?;
+                SectionJob::new(request, section, &integrations, block.clone(), &members, own, call)?;
             drive(&mut job)?;
         }
         Ok(())
@@ -250,8 +248,8 @@ impl Integration {
         Ok(Integration { assignment, forces, form })
     }
 
-    fn kind(&self) -> (Step, ForceSet, Option<EvaluatorKind>) {
-        (self.assignment.step, self.forces, self.form.map(CanonicalForm::kind))
+    fn kind(&self) -> (Step, ForceSet, Option<Evaluator>) {
+        (self.assignment.step, self.forces, self.form.map(CanonicalForm::evaluator))
     }
 }
 
@@ -275,6 +273,7 @@ struct Found {
 /// Closed forms of the bodies of the lanes.
 struct ClosedForms {
     evaluator: Evaluator,
+    isa: Isa,
     starts: StartRows,
     now: [StateRows; 1],
 }
@@ -300,9 +299,6 @@ struct SectionJob<'a> {
     points: &'a AtomicU64,
     /// Rounds of the group.
     rounds: u64,
-    /// Bodies of the job.
-    members: usize,
-    stop: &'a Interrupt<'a>,
 }
 
 impl<'a> SectionJob<'a> {
@@ -313,7 +309,7 @@ impl<'a> SectionJob<'a> {
         block: Range<usize>,
         members: &[usize],
         (crossings, points): (&'a mut [Crossings], &'a AtomicU64),
-        (isa, stop): (Isa, &'a Interrupt<'a>),
+        call: Call<'a>,
     ) -> Result<Self, Error> {
         let integration = integrations[members[0]];
         let needs = Needs {
@@ -344,7 +340,8 @@ impl<'a> SectionJob<'a> {
             }
         }
         let closed = integration.form.map(|form| ClosedForms {
-            evaluator: Evaluator::new(form.kind(), isa),
+            evaluator: form.evaluator(),
+            isa: call.isa,
             starts: StartRows::filled(&form.to_canonical(&request.bodies[block.start + members[0]])),
             now: [StateRows::ZERO],
         });
@@ -355,7 +352,7 @@ impl<'a> SectionJob<'a> {
             integrations,
             block,
             queue: memory::collected("bodies of a block", members.len(), queue)?,
-            lanes: AdaptiveLanes::new(request, kernel, isa, tolerance)?,
+            lanes: AdaptiveLanes::new(request, kernel, call, tolerance)?,
             closed,
             surfaces,
             called,
@@ -363,15 +360,13 @@ impl<'a> SectionJob<'a> {
             crossings,
             points,
             rounds: 0,
-            members: members.len(),
-            stop,
         })
     }
 
     /// Sets all lanes that have moved to their states in closed form.
     fn begin_in_closed_form(&mut self, tasks: &[Option<Task>; LANES]) {
         let Some(closed) = &mut self.closed else { return };
-        closed.evaluator.states(&closed.starts, &self.lanes.steps.now[..1], &mut closed.now);
+        closed.evaluator.states(closed.isa, &closed.starts, &self.lanes.steps.now[..1], &mut closed.now);
         for lane in 0..LANES {
             let Some(task) = tasks[lane] else { continue };
             if self.lanes.steps.now[0].0[lane] == 0.0 {
@@ -553,6 +548,7 @@ impl Job for SectionJob<'_> {
 
     fn load(&mut self, lane: usize) -> Result<Option<Task>, Error> {
         let Some(member) = self.queue.pop() else { return Ok(None) };
+        self.lanes.entered += 1;
         let (index, integration) = (self.block.start + member, self.integrations[member]);
         let (body, forces) = (&self.request.bodies[index], self.request.forces_of(index));
         let end = self.section.ends[index];
@@ -575,10 +571,7 @@ impl Job for SectionJob<'_> {
     fn advance(&mut self, tasks: &[Option<Task>; LANES]) -> Result<(), Error> {
         self.begin_in_closed_form(tasks);
         if self.rounds.is_multiple_of(STEPS_BETWEEN_STOPS) {
-            let inside = tasks.iter().enumerate();
-            let inside =
-                inside.filter_map(|(lane, task)| Some((lane, self.block.start + task.as_ref()?.body)));
-            self.lanes.tell(self.stop, self.members - self.queue.len(), inside)?;
+            self.lanes.tell(tasks, |task| self.block.start + task.body)?;
             self.check_memory()?;
         }
         self.rounds += 1;

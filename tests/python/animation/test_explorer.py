@@ -710,6 +710,22 @@ def test_motions_under_the_torque_of_a_function_are_not_in_the_page(tmp_path: Pa
     assert content(result.explore(tmp_path / "a.html"))["motion"] is None
 
 
+def test_bodies_that_vary_along_an_ephemeris_have_a_page_without_motions(tmp_path: Path) -> None:
+    t = np.linspace(0.0, 6.0, 61)
+    path = rigid.Orbit.table(t, rigid.Orbit(1.0, 2.0, -3.0).position(t), gm=1.0)
+    scene = rigid.FreeBody(rigid.Body((0.61, 0.965, 1.0)), orbit=path)
+    result = rigid.stability_map(
+        scene,
+        axes={"spin": [0.4, 0.6]},
+        vary={"I1": rigid.normal(0.02)},
+        stable=rigid.no_flip(3),
+        samples=4,
+        t_end=6.0,
+        rng=1,
+    )
+    assert content(result.explore(tmp_path / "a.html"))["motion"] is None
+
+
 def longer(spin: Any) -> rigid.FreeBody:
     return rigid.FreeBody(rigid.Body(np.stack([spin, 1.1 * spin, 1.5 * spin], axis=-1)))
 

@@ -33,6 +33,8 @@ from rigid.maps.file import write_map
 from rigid.store.call import run_map
 from small_maps import assert_same_map, in_blocks
 
+pytestmark = pytest.mark.usefixtures("folder")
+
 
 def made(folder: Path) -> set[str]:
     """The files that were written."""

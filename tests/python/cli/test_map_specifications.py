@@ -350,24 +350,24 @@ def complaint(text: str, file: str = "box.toml") -> str:
         # unknown and missing names
         ("[start]", "[strat]", "unknown key 'strat'; did you mean 'start'? (known: title, scene,"),
         ("title =", "titel =", "unknown key 'titel'; did you mean 'title'?"),
-        ("kind = \"free", "kid = \"free", "[scene] unknown key 'kid'; did you mean 'kind'"),
+        ('kind = "free', 'kid = "free', "[scene] unknown key 'kid'; did you mean 'kind'"),
         ("spin =", "spinn =", "[start] unknown key 'spinn'; did you mean 'spin'? (known: omega,"),
         ("seed =", "sed =", "[run] unknown key 'sed'; did you mean 'seed'?"),
         ("mass =", "mas =", "[scene] unknown key 'mas'; did you mean 'mass'?"),
         ("mass = 0.3", "mass = 0.3\nmgl = 1.0", "[scene] unknown key 'mgl'"),
         ("scale =", "scala =", "[y] unknown key 'scala'; did you mean 'scale'?"),
         ("axis = 2\n[run]", "axes = 2\n[run]", "[stable] unknown key 'axes'; did you mean 'axis'?"),
-        ("{ kind = \"normal\" }", "{ kin = \"normal\" }", "[start.noise] unknown key 'kin'; did"),
+        ('{ kind = "normal" }', '{ kin = "normal" }', "[start.noise] unknown key 'kin'; did"),
         (
-            "{ kind = \"normal\" }",
-            "{ kind = \"normal\", siez = 1.0 }",
+            '{ kind = "normal" }',
+            '{ kind = "normal", siez = 1.0 }',
             "[start.noise] unknown key 'siez'; did you mean 'size'?",
         ),
         ("t_end = 1.0", "", "[run] needs the key 't_end'"),
         ("samples = 64", "", "[run] needs the key 'samples'"),
         ("to = 0.248", "", "[x] needs the key 'to'"),
-        ("name = \"b\"", "", "[x] needs the key 'name'"),
-        ("criterion = \"no_flip\"", "", "[stable] needs the key 'criterion'"),
+        ('name = "b"', "", "[x] needs the key 'name'"),
+        ('criterion = "no_flip"', "", "[stable] needs the key 'criterion'"),
         # unknown words
         ('"free-body"', '"freebody"', "[scene] kind = 'freebody': must be one of 'free-body', '"),
         ('"no_flip"', '"noflip"', "[stable] criterion = 'noflip': did you mean 'no_flip'? must"),
@@ -380,7 +380,7 @@ def complaint(text: str, file: str = "box.toml") -> str:
         ("count = 4", "count = 4.0", "[x] count = 4.0: must be a whole number"),
         ("box = [0.25, 0.08, 0.01]", "box = 3", "[scene] box: expected shape (3,), got ()"),
         ("box = [0.25, 0.08, 0.01]", 'box = ["a", "b", "c"]', "[scene] box"),
-        ("noise = { kind = \"normal\" }", "noise = 3", "[start] noise = 3: must be a table"),
+        ('noise = { kind = "normal" }', "noise = 3", "[start] noise = 3: must be a table"),
         # impossible values
         ("box = [0.25, 0.08, 0.01]", "box = [0.25, -0.08, 0.01]", "[scene] b = -0.08: must be pos"),
         ("mass = 0.3", "mass = 0.0", "[scene] mass = 0.0: must be positive"),
@@ -427,7 +427,7 @@ def complaint(text: str, file: str = "box.toml") -> str:
             "[stable] reference = 'vertical': a free body knows no vertical",
         ),
     ],
-)  # fmt: skip
+)
 def test_mistakes(line: str, instead: str, message: str) -> None:
     assert line in BOX
     assert message in complaint(BOX.replace(line, instead, 1))
@@ -443,11 +443,7 @@ def test_mistakes(line: str, instead: str, message: str) -> None:
         ("mgl = 2", "mgl = 2\nframe = 3", "[scene] unknown key 'frame'"),
         ("mgl = 2", "mgl = -2", "[scene] mgl = -2.0: must not be negative"),
         ("com = [0.6, 0.0, 0.8]", "com = [1, 1, 1]", "[scene] com = [1.0, 1.0, 1.0]: must be a"),
-        (
-            ', size = [0.1, 0.2, 0.3] }',
-            " }",
-            "[start.noise] needs the key 'size'",
-        ),
+        (", size = [0.1, 0.2, 0.3] }", " }", "[start.noise] needs the key 'size'"),
         (
             '{ kind = "uniform_attitude" }',
             '{ kind = "uniform_attitude", size = 1.0 }',
@@ -455,7 +451,7 @@ def test_mistakes(line: str, instead: str, message: str) -> None:
         ),
         ("angle = 0.5", "", "[stable] needs the key 'angle'"),
     ],
-)  # fmt: skip
+)
 def test_mistakes_about_tops(line: str, instead: str, message: str) -> None:
     assert line in TOP
     parse_spec(TOP, "top.toml")
@@ -494,7 +490,7 @@ samples = 1
         ('"spin"', '"anomaly"', "the scene has no orbit; give it orbit = { rate = ... }"),
         ("2.0]", "9.0]", "physical = false takes such moments as they are"),
     ],
-)  # fmt: skip
+)
 def test_a_remedy_is_told_in_the_words_of_the_file(line: str, instead: str, message: str) -> None:
     parse_spec(PLAIN, "plain.toml")
     said = complaint(PLAIN.replace(line, instead, 1), "plain.toml")

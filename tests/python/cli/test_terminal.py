@@ -18,6 +18,8 @@ from rigid.reports.stress import UNDETECTED_ERROR, Cell
 from rigid.reports.stress_cases import cases
 from terminals import in_terminal, read
 
+pytestmark = pytest.mark.usefixtures("folder")
+
 
 def test_the_version_is_that_of_the_library(capsys: Capture) -> None:
     with pytest.raises(SystemExit) as stop:

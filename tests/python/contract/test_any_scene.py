@@ -16,7 +16,7 @@ from rigid.solve.status import ARRIVED
 
 #: The same cases in every run; nothing is written to disk. ``tests/long/any_scene.py`` takes more.
 STEADY = settings(
-    max_examples=int(os.environ.get("RIGID_EXAMPLES", "50")),
+    max_examples=int(os.environ.get("RIGID_EXAMPLES", "25")),
     deadline=None,
     derandomize=True,
     database=None,

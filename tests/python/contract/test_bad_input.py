@@ -157,7 +157,7 @@ REFUSED: list[tuple[Any, ...]] = [
     (
         lambda: rigid.rotations.attitude_from_omega(np.ones((5, 3)), np.arange(5.0)),  # type: ignore[arg-type]
         TypeError,
-        ["omega = array(", "must be a function of the times; of samples take scipy.interpolate"],
+        ["omega = array(", "must be a function of the times; of samples take attitude_from"],
     ),
     (
         lambda: rigid.Orbit(1.0, 0.97),

@@ -18,7 +18,7 @@ import pytest
 import rigid
 from doors import CASES, COUNT, DOORS, OMEGA, SCENES, asked, opens, parameters
 from float_modes import CAN_BE_SET, MODES, control_word, float_mode
-from physics import Floats
+from physics import METHODS, Floats
 from processes import python_process
 from rigid import _core
 from rigid.model.scene import Scene
@@ -63,30 +63,45 @@ UNITS_OF_PARAMETERS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("mass", "time"), [(2.0**40, 1.0), (1.0, 2.0**-20), (2.0**-20, 2.0**10)])
-@pytest.mark.parametrize(
-    ("scene", "door"),
-    [case for case in CASES if case[0] in ("lagrange", "tops", "satellites")],
-)
-def test_units_of_mass_and_time_change_no_digit(
-    scene: str, door: str, mass: float, time: float
-) -> None:
+USUAL = [(2.0**40, 1.0), (1.0, 2.0**-20), (2.0**-20, 2.0**10)]
+EXTREME = [
+    *((2.0**power, 1.0) for power in (-1000, -301, 1020)),
+    *((1.0, 2.0**power) for power in (60, -40)),
+]
+"""To the ends of the doubles."""
+
+
+def units_for(scene: str, door: str) -> list[tuple[float, float]]:
+    """Units of mass and time in which a door is asked for a scene."""
+    by_a_method = door in (method.name for method in METHODS)
+    steps = by_a_method or door.endswith(("checked steps", "method"))
+    return [
+        *(USUAL if scene in ("lagrange", "tops", "satellites") else []),
+        *(EXTREME if steps and scene in ("lagrange", "top", "driven") else []),
+    ]
+
+
+@pytest.mark.parametrize(("scene", "door"), [case for case in CASES if units_for(*case)])
+def test_units_of_mass_and_time_change_no_digit(scene: str, door: str) -> None:
     """They are powers of two: numbers change their exponents only."""
-    rows, rate = slice(0, 6), np.array([1.0 / time] * 3 + [1.0] * 3)
-    powers = np.array([UNITS_OF_PARAMETERS[name] for name in parameters(SCENES[scene](1.0, 1.0))])
-    scaled_bodies = asked(scene, door, rows, mass, time)
-    for here, there in zip(asked(scene, door, rows), scaled_bodies, strict=True):
-        for name, array in here.items():
-            kind = "error of an event" if "error of" in name else name.split(" of ")[0]
-            of_mass, of_time = UNITS.get(kind, (0, 0))
-            scaled = np.asarray(array)
-            if scaled.dtype.kind == "f":
-                scaled = scaled * mass**of_mass * time**of_time
-            if name == "tangent":
-                scaled = array * rate[:, None] / rate
-            elif name == "sensitivity":
-                scaled = array * rate[:, None] / (mass ** powers[:, 0] * time ** powers[:, 1])
-            np.testing.assert_array_equal(there[name], scaled, name)
+    rows, known = slice(0, 6), parameters(SCENES[scene](1.0, 1.0))
+    powers = np.array([UNITS_OF_PARAMETERS[name] for name in known])
+    plain = asked(scene, door, rows)
+    for mass, time in units_for(scene, door):
+        rate = np.array([1.0 / time] * 3 + [1.0] * 3)
+        scaled_bodies = asked(scene, door, rows, mass, time)
+        for here, there in zip(plain, scaled_bodies, strict=True):
+            for name, array in here.items():
+                kind = "error of an event" if "error of" in name else name.split(" of ")[0]
+                of_mass, of_time = UNITS.get(kind, (0, 0))
+                scaled = np.asarray(array)
+                if scaled.dtype.kind == "f":
+                    scaled = scaled * mass**of_mass * time**of_time
+                if name == "tangent":
+                    scaled = array * rate[:, None] / rate
+                elif name == "sensitivity":
+                    scaled = array * rate[:, None] / (mass ** powers[:, 0] * time ** powers[:, 1])
+                np.testing.assert_array_equal(there[name], scaled, f"{name}, {mass}, {time}")
 
 
 def print_digests() -> None:

@@ -206,49 +206,36 @@ def test_periods_of_an_asteroid_in_hours_and_a_damping_time_in_years() -> None:
     assert np.allclose(sink.coefficient, same_sink.coefficient, rtol=1e-13)
 
 
-@pytest.mark.parametrize(
-    ("make", "message"),
+WITHOUT = "must be a real number in {}, written without the unit"
+
+test_a_text_with_a_unit_is_refused_with_the_number = refuses(
     [
         (
             lambda: rigid.Start(spin=1.0, tilt="35 deg"),  # type: ignore[arg-type]
-            "tilt = '35 deg': must be a real number in rad, written without the unit; "
-            "35 * rigid.units.degree is 0.610865238198",
+            f"tilt = '35 deg': {WITHOUT.format('rad')}; 35 . rigid.units.degree is 0.610865238198",
         ),
         (
             lambda: rigid.Start(spin="5 rpm"),  # type: ignore[arg-type]
-            "spin = '5 rpm': must be a real number in rad/s, written without the unit; "
-            "5 * rigid.units.rpm is 0.523598775598",
+            f"spin = '5 rpm': {WITHOUT.format('rad/s')}; 5 . rigid.units.rpm is 0.523598775598",
         ),
-        (
-            lambda: rigid.Start(spin="5 deg"),  # type: ignore[arg-type]
-            "spin = '5 deg': must be a real number in rad/s, written without the unit",
-        ),
+        (lambda: rigid.Start(spin="5 deg"), f"spin = '5 deg': {WITHOUT.format('rad/s')}$"),  # type: ignore[arg-type]
         (
             lambda: rigid.Start(omega=("5 rpm", 0, 0)),  # type: ignore[arg-type]
-            "omega = ('5 rpm', 0, 0): must be real numbers in rad/s, written without the unit; "
-            "5 * rigid.units.rpm is",
+            r"omega = \('5 rpm', 0, 0\): must be real numbers in rad/s, written without the unit; "
+            r"5 \* rigid.units.rpm is",
         ),
-        (
-            lambda: rigid.Body.box("25 cm", 1.0, 1.0),
-            "a = '25 cm': must be a real number in m, written without the unit",
-        ),
+        (lambda: rigid.Body.box("25 cm", 1.0, 1.0), f"a = '25 cm': {WITHOUT.format('m')}$"),
         (
             lambda: rigid.Body.box(1.0, 1.0, 1.0, mass="3"),
-            "mass = '3': must be a real number in kg, not a text; leave out the quotation marks",
+            "mass = '3': must be a real number in kg, not a text; leave out the quotation marks$",
         ),
         (
-            lambda: rigid.Body.box(1.0, 1.0, 1.0, mass="1.2.3"),
-            "mass = '1.2.3': must be a real number in kg, not a text",
+            lambda: rigid.Body.box(1.0, 1.0, 1.0, mass="heavy"),
+            "mass = 'heavy': must be a real number in kg, not a text$",
         ),
     ],
+    kind=TypeError,
 )
-def test_a_text_with_a_unit_is_refused_with_the_number(
-    make: Callable[[], object], message: str
-) -> None:
-    with pytest.raises(TypeError) as caught:
-        make()
-    assert str(caught.value).startswith(message)
-    assert ("rigid.units" in str(caught.value)) == ("rigid.units" in message)
 
 
 def test_the_number_that_is_told_is_taken() -> None:

@@ -1,6 +1,7 @@
 """Numbers of the literature, each beside the number of the library."""
 
 import json
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -21,6 +22,8 @@ ENTRIES = {entry.name: entry for entry in entries()}
 @pytest.mark.parametrize("name", ENTRIES)
 def test_numbers_are_those_of_the_literature(name: str) -> None:
     """Within the interval of the entry; where a model differs the entry says why, and it does."""
+    if ENTRIES[name].needs:
+        pytest.importorskip(ENTRIES[name].needs)
     (row,) = rigid.validation(name, progress=False).rows
     assert row.entry is ENTRIES[name]
     assert row.agrees != bool(row.entry.reason), row.number
@@ -142,3 +145,14 @@ def test_the_table_has_a_row_for_each_number_and_the_reasons_below() -> None:
 def test_an_unknown_number_is_refused() -> None:
     with pytest.raises(ValueError, match=r"names = 'toutatis': did you mean 'toutatis-rotation'\?"):
         rigid.validation("toutatis")
+
+
+def test_a_number_that_only_compiled_code_reaches_is_left_out_without_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    both = (ENTRIES["delfi-pq-mean"], ENTRIES["toutatis-rotation"])
+    monkeypatch.setattr("rigid.literature.validation.entries", lambda: both)
+    monkeypatch.setitem(sys.modules, "numba", None)
+    assert [row.entry for row in rigid.validation(progress=False).rows] == [both[1]]
+    with pytest.raises(ImportError, match=r"delfi-pq-mean needs numba: pip install '.*\[numba\]'"):
+        rigid.validation("delfi-pq-mean", progress=False)

@@ -19,6 +19,7 @@ from rigid.maps.job import to_core
 from rigid.maps.judge import UNDECIDED
 from small_maps import Floats, small_map, spec_of
 
+#: ``tests/long/closed_forms_against_rk4.py`` takes many more scenes.
 #: Horizon of random scenes, whose fastest rate lies between 1/2 and 1 rad/s, and the step of RK4.
 HORIZON, STEP = 30.0, 2.0**-7
 
@@ -79,7 +80,7 @@ def test_bodies_flip_when_steps_see_it(axis: int, equal: bool) -> None:
     RK4 loses h^4 t/120 of the phase, its cubic through the ends of a step less. Nine in ten: a
     component that hardly turns, beside large ones, is rounded as they are.
     """
-    scenes = free(np.random.default_rng(axis), 3000, equal=equal)
+    scenes = free(np.random.default_rng(axis), 1000, equal=equal)
     exact = judged(scenes, "no_flip", axis, 0.0, "exact")
     stepped = judged(scenes, "no_flip", axis, 0.0, "rk4")
     assert exact.exact.all()
@@ -95,7 +96,7 @@ def test_tops_tilt_when_steps_see_it(axis: int, angle: float) -> None:
     A tilt is looked at after each step, so that a swing of at most the fastest rate w passes its
     limit unseen by w^2 h^2/8, a few times that by a pole; between the looks it is a straight line.
     """
-    drawn = tops(np.random.default_rng(abs(axis)), 6000)
+    drawn = tops(np.random.default_rng(abs(axis)), 2000)
     rows = np.abs(drawn.weight).argmax(axis=1) == abs(axis) - 1
     columns = ("moments", "weight", "omega", "attitude")
     scenes = dataclasses.replace(drawn, **{name: getattr(drawn, name)[rows] for name in columns})

@@ -137,10 +137,10 @@ test_samples_that_do_not_fit = refuses(
             "the start has given samples, which have no size",
         ),
         (
-            lambda: rigid.samples([[1.0, 0.0, 0.0]], in_order=1),
+            lambda: rigid.samples([[1.0, 0.0, 0.0]], in_order=1),  # type: ignore[arg-type]
             TypeError,
             "in_order = 1: must be True or False",
-        ),  # type: ignore[arg-type]
+        ),
     ],
     literal=True,
 )

@@ -165,7 +165,7 @@ def test_ratios_follow_each_other_along_three_axes() -> None:
 test_axes_that_do_not_go_together = refuses(
     [
         (["I1/I2", "I2/I3", "I3/I1"], "'I1/I2' and 'I2/I3' and 'I3/I1' set ratios that depend"),
-        (["noise", "noise2"], "'noise2' and 'noise' exclude each other: both say how large"),
+        (["noise", "noise2"], "'noise2' and 'noise' exclude each other: both set the noise"),
         (["limit"], "'limit' does not apply: no flip about axis 2 limits no angle"),
         (["com1"], "'com1' does not apply: a free body feels no weight; use a HeavyTop"),
     ],

@@ -204,11 +204,16 @@ test_starts = refuses(
 )
 
 
-@pytest.mark.parametrize("law", [rigid.uniform, rigid.direction])
-def test_sizes_of_other_laws_are_those_of_a_normal_one(law: Callable[[Any], rigid.Noise]) -> None:
-    for table, given, *kind, words in BOTH:
-        if table == "start.noise":
-            assert words in refusal(lambda size=given["size"]: law(size), *kind or [ValueError])  # type: ignore[misc]
+test_sizes_of_other_laws_are_those_of_a_normal_one = refuses(
+    [
+        (law, given, *told)
+        for law in (rigid.uniform, rigid.direction)
+        for table, given, *told in BOTH
+        if table == "start.noise"
+    ],
+    literal=True,
+    by=lambda law, given: law(**given),
+)
 
 
 def test_kinds_of_noise() -> None:
@@ -276,8 +281,7 @@ test_axes = refuses(
 )
 
 
-@pytest.mark.parametrize(
-    ("scene", "axes", "start", "message"),
+test_axes_without_meaning_say_why = refuses(
     [
         (FREE, ["b"], SPIN, "'b' does not apply: the sides of the body are not known; make it"),
         (FREE, ["mass"], SPIN, "'mass' does not apply: the sides of the body are not known"),
@@ -332,15 +336,14 @@ test_axes = refuses(
         (FREE, ["I1/I2", "I1/I3"], SPIN, "axes: 'I1/I2' and 'I1/I3' both set I1"),
         (FREE, ["I1/I2", "I2/I1"], SPIN, "axes: 'I1/I2' and 'I2/I1' set the same ratio"),
     ],
+    literal=True,
+    by=lambda scene, axes, start: small_map(
+        scene,
+        axes={name: [0.5, 1.0] for name in axes},
+        start=start,
+        stable=rigid.no_flip(1),
+    ),
 )
-def test_axes_without_meaning_say_why(
-    scene: Any, axes: list[str], start: rigid.Start, message: str
-) -> None:
-    axes_: dict[str, Any] = {name: [0.5, 1.0] for name in axes}
-    stable = rigid.no_flip(1)
-    assert message in refusal(
-        lambda: small_map(scene, axes=axes_, start=start, stable=stable), ValueError
-    )
 
 
 # The request

@@ -66,7 +66,7 @@ def test_wrong_verdicts_of_coarse_steps_are_caught(name: str, method: str, step:
 
 
 def test_reasons_of_failure_sum_up() -> None:
-    """Fast bodies need too many steps, faster ones overflow, a fast one within the limit drifts."""
+    """Faster bodies overflow, a fast one drifts."""
     result = rigid.stability_map(
         rigid.FreeBody,
         axes={"spin": [1.0, 30.0, 1e200]},
@@ -81,19 +81,7 @@ def test_reasons_of_failure_sum_up() -> None:
     assert result.drifted.tolist() == [0, 3, 0]
     assert result.not_finite.tolist() == [0, 0, 3]
     assert "6 failed (66.67%): 3 not finite, 3 drifted" in result.summary()
-    limited = rigid.stability_map(
-        rigid.FreeBody,
-        axes={"spin": [1.0, 30.0]},
-        stable=rigid.no_flip(),
-        method="rk4",
-        samples=2,
-        t_end=10.0,
-        max_steps=1000,
-        rng=1,
-    )
-    assert limited.step_limit.tolist() == [0, 2]
-    for one in (result, limited):
-        np.testing.assert_array_equal(one.failed, one.step_limit + one.not_finite + one.drifted)
+    np.testing.assert_array_equal(result.failed, result.not_finite + result.drifted)
 
 
 @pytest.mark.parametrize("method", ["auto", "dop853"])

@@ -1,6 +1,7 @@
 """The picture of a map: what is drawn is what was computed, where it belongs, and named."""
 
 import sys
+from collections.abc import Callable
 from typing import Any
 
 import matplotlib as mpl
@@ -365,10 +366,11 @@ def test_no_global_state_is_touched() -> None:
 def test_without_matplotlib_it_is_said_what_is_missing(
     result: rigid.StabilityMap, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for module, ask, needs in (
+    asked: list[tuple[str, Callable[[], object], str]] = [
         ("matplotlib.figure", result.plot, "plotting needs matplotlib"),
         ("xarray", result.to_xarray, "to_xarray() needs xarray"),
-    ):
+    ]
+    for module, ask, needs in asked:
         monkeypatch.setitem(sys.modules, module, None)
         with pytest.raises(ImportError) as caught:
             ask()

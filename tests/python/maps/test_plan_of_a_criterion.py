@@ -79,10 +79,8 @@ def same(one: rigid.Plan, other: rigid.Plan) -> None:
 
 
 #: Each scene twice, in turn with each criterion, start and further request.
-CASES = [
-    [list(of)[k % len(of)] for of in (SCENES, CRITERIA, STARTS, ASKED)]
-    for k in range(2 * len(SCENES))
-]
+CHOICES: tuple[dict[str, Any], ...] = (SCENES, CRITERIA, STARTS, ASKED)
+CASES = [[list(of)[k % len(of)] for of in CHOICES] for k in range(2 * len(SCENES))]
 
 
 @pytest.mark.parametrize(("scene", "criterion", "start", "asked"), CASES)

@@ -1,6 +1,7 @@
 """Criteria and measures of roll, pitch and yaw, and times to settle, against fine motions."""
 
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -62,8 +63,10 @@ def values(found: rigid.Outcomes, name: str) -> Floats:
     return known
 
 
-def fine(scene: rigid.FreeBody, options: dict[str, Any], axes: tuple[int, int]) -> Floats:
-    starts = small_map(scene, stable=rigid.no_flip(3), samples=COUNT, **options).starts(
+@cache
+def fine(where: str, axes: tuple[int, int]) -> Floats:
+    scene = SCENES[where]
+    starts = small_map(scene, stable=rigid.no_flip(3), samples=COUNT, **OPTIONS).starts(
         range(COUNT)
     )
     run = rigid.simulate(
@@ -88,7 +91,7 @@ OPTIONS: dict[str, Any] = {
 def test_angles_are_those_of_a_fine_motion(where: str, of: str, axes: tuple[int, int]) -> None:
     """The limits lie between two bodies, so that half of them leave, or half settle."""
     scene = SCENES[where]
-    angle = np.abs(fine(scene, OPTIONS, axes)[..., ANGLES.index(of)])
+    angle = np.abs(fine(where, axes)[..., ANGLES.index(of)])
     largest = angle.max(axis=1)
     low, high = np.sort(largest)[11:13]
     limit = min(float(0.5 * (low + high)), 3.0)

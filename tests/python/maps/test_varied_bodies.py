@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import rigid
+from drawn_again import uniforms
 from refusals import refuses
 from rigid.maps.theory import predict
 from rigid.model.parameters import PARAMETERS
@@ -17,14 +18,9 @@ BOX = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)))
 SEED = 2**70 + 11
 
 
-def uniforms(block: int, pixel: int, count: int) -> Any:
+def first_uniforms(block: int, pixel: int, count: int) -> Any:
     """The first uniform of a block of draws of each sample, as NumPy's Philox has it."""
-    key = np.array([SEED % 2**64, SEED >> 64], dtype=np.uint64)
-    found = []
-    for sample in range(count):
-        counter = np.array([block, sample, pixel, 0], dtype=np.uint64)
-        found.append(np.random.Generator(np.random.Philox(key=key, counter=counter)).random())
-    return np.array(found)
+    return uniforms(SEED, block, pixel + 1, count)[pixel, :, 0].astype(np.float64)
 
 
 def flipping(vary: Any, **options: Any) -> rigid.StabilityMap:
@@ -46,7 +42,7 @@ def test_a_uniform_parameter_is_what_numpy_draws() -> None:
         drawn = result.starts(np.arange(70), pixel=pixel)
         assert drawn.draws is not None
         once = drawn.draws == 1
-        first, third = (2.0 * uniforms(3 + k, pixel, 70) - 1.0 for k in (0, 1))
+        first, third = (2.0 * first_uniforms(3 + k, pixel, 70) - 1.0 for k in (0, 1))
         # The third block of draws belongs to the first parameter; NumPy counts blocks from one.
         assert np.array_equal(drawn.parameters["I1"][once], (1.0 + 0.2 * first)[once])
         assert np.array_equal(drawn.parameters["I3"][once], (2.5 * (1.0 + 0.1 * third))[once])
@@ -112,7 +108,7 @@ def test_draws_that_no_body_can_have_are_repeated_and_counted() -> None:
     )
     drawn: Any = result.starts(np.arange(400), pixel=0)
     assert drawn.parameters["I3"].max() <= 2.5
-    values = np.array([2.45 + 0.2 * (2.0 * uniforms(3 + k, 0, 400) - 1.0) for k in range(5)])
+    values = np.array([2.45 + 0.2 * (2.0 * first_uniforms(3 + k, 0, 400) - 1.0) for k in range(5)])
     first = np.argmax(values <= 2.5, axis=0)
     known = (values <= 2.5).any(axis=0)
     assert np.array_equal(drawn.draws[known], first[known] + 1)
@@ -258,7 +254,7 @@ def test_a_range_of_values_does_not_depend_on_the_nominal_one(tmp_path: Path) ->
     drawn = result.starts(np.arange(70), pixel=0)
     assert drawn.draws is not None
     once = drawn.draws == 1
-    values = 2.5 + 0.4 * (2.0 * uniforms(3, 0, 70) - 1.0)
+    values = 2.5 + 0.4 * (2.0 * first_uniforms(3, 0, 70) - 1.0)
     # Doubles near 2.5 are 4e-16 apart.
     assert drawn.parameters["I3"][once] == pytest.approx(values[once], rel=4e-16)
     assert once.mean() > 0.8

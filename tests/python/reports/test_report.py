@@ -244,6 +244,31 @@ def test_a_step_that_is_too_long_to_be_stable_refuses_no_method() -> None:
     assert min(row.error for row in result.of("rk4")) < 1e-3
 
 
+@pytest.mark.parametrize(
+    "forces",
+    [
+        {"torque": rigid.Torque.body([(0.0, 0.0, 1.0), (0.0, 0.5, 1.0)], times=[0.0, 5.0])},
+        {"rotor": rigid.RotorTable([0.0, 5.0], [(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)])},
+    ],
+    ids=["torque", "rotor"],
+)
+def test_a_table_may_end_where_the_report_ends(forces: Any) -> None:
+    """No timed run goes on beyond it, and the order of ``rk4`` is 4."""
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), **forces)
+    result = rigid.report(
+        scene,
+        (0.3, 0.2, 0.5),
+        t_end=5.0,
+        bodies=2,
+        methods=["rk4", "taylor20"],
+        errors=[1e-6],
+        seconds=10.0,
+        progress=False,
+    )
+    assert result.refused == {}
+    assert result.order("rk4") == pytest.approx(4.0, abs=0.5)
+
+
 # One row for each motion
 
 

@@ -1,10 +1,8 @@
 """Extreme and stiff bodies by every method: right, flagged or refused."""
 
 import dataclasses
-import math
 import time
 
-import numpy as np
 import pytest
 
 import rigid
@@ -91,62 +89,6 @@ test_unknown_names_are_refused = refuses(
     ],
     by=lambda options: rigid.extremes(**options),
 )
-
-
-# Units
-
-
-def moved(unit: int, method: str) -> tuple[np.ndarray, ...]:
-    moments = np.ldexp([1.0, 1.625, 0.75], unit)
-    scene = rigid.HeavyTop(rigid.Body(moments), mgl=math.ldexp(1.5, unit), com=(0.6, 0.0, 0.8))
-    run = rigid.simulate(scene, [0.3, -0.2, 1.0], t=[0.5, 3.3], method=method)
-    assert run.attitude is not None
-    return run.omega, run.attitude, run.error, run.energy_drift
-
-
-def driven(unit: int, method: str) -> tuple[np.ndarray, ...]:
-    scene = rigid.FreeBody(
-        rigid.Body(np.ldexp([1.0, 1.625, 0.75], unit)),
-        damping=math.ldexp(0.25, unit),
-        torque=rigid.Torque.body(np.ldexp([0.5, 0.0, 0.25], unit)),
-    )
-    run = rigid.simulate(scene, [0.3, -0.2, 1.0], t=[0.5, 3.3], method=method)
-    assert run.attitude is not None
-    assert run.work is not None
-    return run.omega, run.attitude, run.error, np.ldexp(run.work, -unit)
-
-
-@pytest.mark.parametrize("unit", [-1000, -301, 1, 400, 1020])
-def test_the_unit_of_mass_changes_no_bit(unit: int) -> None:
-    """Moments, torques and energies by the same power of two, to the ends of the doubles."""
-    for motion, methods in (
-        (moved, ("rk4", "dop853", "taylor16", "splitting", "pmlf6", "midpoint")),
-        (driven, ("rk4", "taylor12", "etd4", "splitting", "midpoint")),
-    ):
-        for method in methods:
-            for ours, theirs in zip(motion(unit, method), motion(0, method), strict=True):
-                np.testing.assert_array_equal(ours, theirs, err_msg=f"{motion} {method}")
-
-
-@pytest.mark.parametrize("unit", [-60, -3, 40])
-def test_the_unit_of_time_changes_no_bit(unit: int) -> None:
-    """Rates by a power of two, times by its inverse, energies by its square."""
-    start = np.array([0.3, -0.2, 1.0])
-    for method in ("exact", "rk4", "taylor16", "splitting", "midpoint"):
-        for com in ((0.0, 0.0, 1.0), (0.6, 0.0, 0.8)):
-            if method == "exact" and com[0]:
-                continue
-
-            def run(u: int, method: str = method, com: tuple[float, ...] = com) -> rigid.Run:
-                top = rigid.HeavyTop(
-                    rigid.Body((1.25, 1.25, 0.75)), mgl=math.ldexp(1.5, 2 * u), com=com
-                )
-                times = np.ldexp([0.5, 3.3], -u)
-                return rigid.simulate(top, np.ldexp(start, u), t=times, method=method)
-
-            one, other = run(0), run(unit)
-            np.testing.assert_array_equal(np.ldexp(other.omega, -unit), one.omega)
-            np.testing.assert_array_equal(other.attitude, one.attitude)
 
 
 # Status and reasons

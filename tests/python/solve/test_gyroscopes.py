@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy import stats
-from scipy.integrate import solve_ivp
 
 import rigid
 from fit_cases import CHANCE, judged, judged_few
 from physics import Floats
+from printed_equations import solved
 from rigid.solve import arcs
 from rigid.solve.least_squares import descents
 
@@ -32,15 +32,8 @@ def rates(
     moments: tuple[float, ...] = tuple(MOMENTS),
 ) -> Floats:
     """Euler's equations by SciPy, to about 1e-12."""
-
-    def change(_: float, w: Floats) -> Floats:
-        slope: Floats = (np.cross(moments * w, w) - damping * w) / moments
-        return slope
-
-    ends = 0.0, times[-1]
-    found = solve_ivp(change, ends, start, "DOP853", t_eval=times, rtol=1e-13, atol=1e-14)
-    result: Floats = found.y.T
-    return result
+    scene = rigid.FreeBody(rigid.Body(moments), damping=damping)
+    return solved(scene, start, [1.0, 0.0, 0.0, 0.0], times)[0]
 
 
 def noise(seed: int) -> Floats:

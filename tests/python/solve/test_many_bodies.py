@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import doors
 import rigid
 from physics import ROUNDOFF
 from refusals import refuses
@@ -15,42 +16,16 @@ from rigid.model.scene import Scene, scene_from_dict
 
 COUNT = 37  # more than a group of 32, which it does not fill
 T = np.array([-1.0, -0.3, 0.0, 0.4, 1.7])
-
-
-def bodies_and_starts(seed: int = 5) -> tuple[Any, Any, Any]:
-    """Moments, rates and attitudes; every fifth body is symmetric."""
-    random = np.random.default_rng(seed)
-    moments = np.sort(random.uniform(1.0, 1.9, (COUNT, 3)), axis=1)
-    moments[::5, 1] = moments[::5, 0]
-    # Units of the moments from grams to tons: each body has its own.
-    moments *= 10.0 ** random.integers(-3, 4, (COUNT, 1))
-    return moments, random.normal(size=(COUNT, 3)), random.normal(size=(COUNT, 4))
-
-
-MOMENTS, OMEGA, ATTITUDE = bodies_and_starts()
-SIZE = MOMENTS[:, 0]
-SHARES = np.random.default_rng(7).uniform(0.1, 1.0, COUNT)
-DAMPING = np.where(np.arange(COUNT) % 3 == 0, 0.0, SHARES * SIZE)
+MOMENTS, SIZE, SHARES = doors.MOMENTS[:COUNT], doors.SIZE[:COUNT], doors.SHARES[:COUNT]
+OMEGA, ATTITUDE, AXES = doors.OMEGA[:COUNT], doors.ATTITUDE[:COUNT], doors.AXES[:COUNT]
+DAMPING = np.where(doors.SOME[:COUNT], SHARES * SIZE, 0.0)
 """Every third body is not damped."""
-
-AXES = np.random.default_rng(8).normal(size=(COUNT, 3))
-AXES[::2] = [0.0, 0.0, 1.0]
-AXES /= np.linalg.norm(AXES, axis=1, keepdims=True)
 
 BODY = rigid.Body(MOMENTS)
 FREE = rigid.FreeBody(BODY)
 TOPS = rigid.HeavyTop(BODY, mgl=SHARES * SIZE, com=AXES)
 DAMPED = rigid.FreeBody(BODY, damping=DAMPING)
-DRIVEN = rigid.HeavyTop(
-    BODY,
-    mgl=SHARES * SIZE,
-    com=AXES,
-    damping=DAMPING[:, None] * np.array([1.0, 0.5, 0.2]),
-    torque=rigid.Torque.body(
-        AXES[:, None] * SIZE[:, None, None] * [[0.0], [0.2], [0.1]], times=[-2, 0.5, 2]
-    )
-    + rigid.Torque.space(np.where(np.arange(COUNT) % 2, SIZE, 0.0)[:, None] * [0.1, 0.0, 0.2]),
-)
+DRIVEN = doors.SCENES["driven tops"](1.0, 1.0)[:COUNT]
 EVENLY = rigid.FreeBody(
     BODY, damping=(DAMPING / SIZE)[:, None, None] * MOMENTS[:, None] * np.eye(3)
 )

@@ -13,6 +13,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import rigid
+from physics import moves
 from refusals import refuses
 from rigid.model.scene import Scene
 from rigid.solve.methods import method_named
@@ -39,10 +40,6 @@ SCENES: dict[str, Scene] = {
         damping=(0.1, 0.2, 0.0),
     ),
 }
-
-
-def moves(method: rigid.Method, scene: Scene) -> bool:
-    return (method.tops or not scene.directions) and set(scene.forces) <= set(method.forces)
 
 
 CASES = [

@@ -295,6 +295,11 @@ BAD: list[tuple[Any, ...]] = [
         "true_anomaly = 2.5: must be within the asymptotes of the hyperbola, 2.0944 rad",
     ),
     (lambda: rigid.Orbit.flyby(-1.0, 1.0, 1.0), "gm = -1.0: must be positive"),
+    (
+        lambda: rigid.Orbit.flyby(1.0, 1.0, 1.0, towards=(0.0, 0.6, 0.8)),
+        r"towards = \[0.0, 0.6, 0.8\]: must be at right angles to normal",
+    ),
+    (lambda: rigid.Orbit.flyby(1.0, 1.0, 1.0, towards=(1, 1, 0)), "towards = .* a unit vector"),
     (lambda: rigid.Orbit(1.0, [0.1, 0.96]), r"eccentricity\[1\] = 0.96"),
     (lambda: rigid.Orbit(1.0, -0.1), r"eccentricity = -0.1: must not be negative"),
     (lambda: rigid.Orbit(1.0, 0.1, 1.0, true_anomaly=1.0), "anomaly, true_anomaly: give one"),

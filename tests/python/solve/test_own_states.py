@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import quad
 
 import rigid
+from printed_equations import with_states
 from refusals import refuses
 from rigid.model import compiling
 from rigid.rotations.apply import to_body, to_space
@@ -68,28 +69,13 @@ GAINS = (0.4, 1.2, 0.3)
 STARTS = (0.1, 0.0, -0.2, 0.0, 0.0, 0.0)
 
 
-def by_scipy(moments: Any, acting: Any, y0: Any, times: Any) -> Any:
-    """Rates, attitudes and states at the times; ``acting(t, omega, q, states)`` is their torque and
-    the rates of the states."""
-
-    def slope(t: float, y: Any) -> Any:
-        omega, q = y[:3], y[3:7] / np.linalg.norm(y[3:7])
-        torque, rates = acting(t, omega, q, y[7:])
-        turning = 0.5 * np.concatenate([[-q[1:] @ omega], q[0] * omega + np.cross(q[1:], omega)])
-        gained = (torque - np.cross(omega, moments * omega)) / moments
-        return np.concatenate([gained, turning, rates])
-
-    ends = 0.0, times[-1]
-    return solve_ivp(slope, ends, np.concatenate(y0), "DOP853", times, rtol=1e-13, atol=1e-16).y.T
-
-
 def wheels_by_scipy(times: Any) -> Any:
     def acting(t: float, omega: Any, q: Any, states: Any) -> Any:
         torque, rates = np.zeros(3), np.zeros(6)
         wheels(t, omega, q, GAINS, torque, states, rates)
         return torque, rates
 
-    return by_scipy(np.array(BODY.moments), acting, [OMEGA, TILTED, STARTS], times)
+    return with_states(np.array(BODY.moments), acting, [OMEGA, TILTED, STARTS], times)
 
 
 def scene(torque: Any = None, **acting: Any) -> rigid.FreeBody:
@@ -392,7 +378,7 @@ def test_magnetic_control_beside_the_gradient_and_a_wheel_moves_as_by_scipy(way:
         o = to_body(q, place)
         return torque + 3.0 * rate**2 * np.cross(o, moments * o), rates
 
-    truth = by_scipy(moments, acting, [start, TILTED, [0.0]], times)
+    truth = with_states(moments, acting, [start, TILTED, [0.0]], times)
     # SciPy errs by 1e-11 after 100 rad.
     assert np.abs(run.omega - truth[:, :3]).max() < 1e-9 * np.linalg.norm(start)
     sign = np.sign((run.attitude * truth[:, 3:7]).sum(axis=1, keepdims=True))

@@ -14,6 +14,7 @@ from scipy.special import ellipkinc
 
 import rigid
 from physics import Floats, place_on_orbit
+from printed_equations import printed, starting
 from refusals import refuses
 
 BODY = (1.0, 1.6, 0.7)
@@ -57,22 +58,8 @@ def true_events(
     events: list[rigid.Event], orbit: rigid.Orbit | None, torque: Any = None
 ) -> list[list[tuple[float, int]]]:
     """Times and directions of the events by SciPy."""
-    moments = np.array(BODY)
-
-    def rate(t: float, y: Floats) -> Floats:
-        w, matrix = y[:3], y[3:].reshape(3, 3)
-        acting = np.cross(moments * w, w)
-        if orbit is not None:
-            place = place_on_orbit(orbit, t)
-            o = matrix.T @ place
-            cube = 3.0 * orbit.rate**2 / np.linalg.norm(place) ** 5
-            acting = acting + cube * np.cross(o, moments * o)
-        if torque is not None:
-            acting = acting + torque(t, w)
-        v1, v2, v3 = w
-        hat = np.array([[0.0, -v3, v2], [v3, 0.0, -v1], [-v2, v1, 0.0]])
-        change: Floats = np.concatenate([acting / moments, (matrix @ hat).ravel()])
-        return change
+    scene = rigid.FreeBody(rigid.Body(BODY), orbit=orbit)
+    called = None if torque is None else lambda t, omega, _: torque(t, omega)
 
     def function(event: rigid.Event, rising: int) -> Any:
         def value(t: float, y: Floats) -> float:
@@ -82,12 +69,11 @@ def true_events(
         value.direction = rising  # type: ignore[attr-defined]
         return value
 
-    start = Rotation.from_quat(ATTITUDE, scalar_first=True).as_matrix()
     functions = [function(event, rising) for event in events for rising in (1, -1)]
     found = solve_ivp(
-        rate,
+        printed(scene, called),
         (0.0, UNTIL),
-        np.concatenate([OMEGA, start.ravel()]),
+        starting(OMEGA, ATTITUDE),
         "DOP853",
         rtol=1e-13,
         atol=1e-15,

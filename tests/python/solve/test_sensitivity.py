@@ -11,6 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import rigid
+from free_motions import tops_at_random
 from physics import Floats, present
 from refusals import refuses
 from rigid.model.scene import Scene
@@ -169,16 +170,9 @@ def test_a_balanced_top_falls_or_swings_if_its_centre_of_mass_moves(side: float)
 def random_driven(count: int) -> tuple[rigid.HeavyTop, Floats, Floats, Floats, Floats]:
     """Tops with moments, weight, damping and torque of their own."""
     rng = np.random.default_rng(20261122)
-    parts, com = rng.uniform(0.2, 1.2, (count, 3)), rng.normal(size=(count, 3))
     damping, torque = rng.uniform(0.0, 0.2, (count, 3)), rng.normal(size=(count, 3)) * 0.1
-    top = rigid.HeavyTop(
-        rigid.Body(parts.sum(axis=1, keepdims=True) - parts),
-        mgl=rng.uniform(0.1, 2.0, count),
-        com=com / np.linalg.norm(com, axis=1, keepdims=True),
-        damping=damping,
-        torque=rigid.Torque.body(torque),
-    )
-    return top, damping, torque, rng.normal(size=(count, 3)), rng.normal(size=(count, 4))
+    top, *start = tops_at_random(count, rng, damping=damping, torque=rigid.Torque.body(torque))
+    return top, damping, torque, *start
 
 
 @pytest.mark.parametrize("method", [None, "rk4", "dop853", "taylor12", "taylor26"])

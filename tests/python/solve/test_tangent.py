@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 import rigid
 from chaos_scenes import DEVIATING, Deviating, attitude_with
+from free_motions import tops_at_random
 from physics import Floats, present
 from refusals import refuses
 from rigid.model.scene import Scene
@@ -95,20 +96,6 @@ def test_the_order_of_the_tangent_is_that_of_the_method(method: str) -> None:
 # --- Structure -----------------------------------------------------------------------------------
 
 
-def random_tops(count: int, *, damped: bool) -> tuple[rigid.HeavyTop, Floats, Floats]:
-    rng = np.random.default_rng(20260728)
-    parts = rng.uniform(0.2, 1.2, (count, 3))
-    com = rng.normal(size=(count, 3))
-    scene = rigid.HeavyTop(
-        rigid.Body(parts.sum(axis=1, keepdims=True) - parts),
-        mgl=rng.uniform(0.1, 2.0, count),
-        com=com / np.linalg.norm(com, axis=1, keepdims=True),
-        damping=[0.05, 0.1, 0.02] if damped else None,
-    )
-    attitude = rng.normal(size=(count, 4))
-    return scene, rng.normal(size=(count, 3)), attitude
-
-
 FINE: dict[str, dict[str, Any]] = {
     "dop853": {"step": 0.02},
     "taylor12": {"step": 0.05},
@@ -124,7 +111,7 @@ def test_the_structure_of_the_tangent(method: str) -> None:
 
     Rounding is relative to the largest matrix until then: the worst was 2e-15 of it.
     """
-    scene, omega, attitude = random_tops(1000, damped=False)
+    scene, omega, attitude = tops_at_random(1000, np.random.default_rng(20260728))
     t = [0.0, 1.0, 3.0]
     run = rigid.simulate(
         scene, omega, attitude, t=t, method=method, check=False, tangent=True, **FINE[method]
@@ -161,7 +148,7 @@ def test_splittings_are_symplectic_at_any_step(method: str, symmetric: bool) -> 
     So singular values come in pairs ``s s' = 1``, and the volume is kept. They turn tops about the
     vertical and free bodies about every axis as they should: the steps commute with it.
     """
-    scene, omega, attitude = random_tops(1000, damped=False)
+    scene, omega, attitude = tops_at_random(1000, np.random.default_rng(20260728))
     if symmetric:
         moments = np.array(scene.body.moments)
         # Body k is symmetric about axis k mod 3.

@@ -149,7 +149,7 @@ test_refused = refuses(
         (lambda: IN_PARTS(FREE, OMEGA, t=TIMES, chunk=0), "chunk = 0: must be at least 1"),
         (lambda: IN_PARTS(FREE, [[0.0, np.nan, 0.0]], t=TIMES), "omega[0, 1] = nan: must be fini"),
         (
-            lambda: next(IN_PARTS(FREE, OMEGA_PARTS, t=[2.0, 1.0])),
+            lambda: next(IN_PARTS(FREE, OMEGA, t=[2.0, 1.0])),
             "t[0] = 2.0 > t[1] = 1.0: times must be ascending",
         ),
     ],

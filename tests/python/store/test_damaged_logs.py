@@ -1,6 +1,7 @@
 """What is read from a damaged log is right, and loss is told. Long: tests/long/damaged_logs.py."""
 
 import io
+import json
 import tarfile
 from pathlib import Path
 from typing import Any
@@ -8,22 +9,29 @@ from typing import Any
 import numpy as np
 import pytest
 
+import rigid
 from rigid.store.log import Found, read_log
-from rigid.store.rows import Block, Table
+from rigid.store.rows import Table
 from rigid.store.running import Folder
+from small_maps import small_map
 from stores import SPEC, go_on, numbers
 
+RECORDS = 12
+MEASURED = small_map(
+    measure=(rigid.time_to_leave(), rigid.flips(1), rigid.mean_rate(-2), rigid.drift())
+).spec
 
-@pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Folder:
+
+@pytest.fixture(scope="module", params=[SPEC, MEASURED], ids=["rows", "rows and bins"])
+def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Folder:
     """A complete map in one log of many records."""
     quiet = tmp_path_factory.mktemp("quiet") / "run"
-    go_on(quiet)
-    rows = Folder(quiet).table.rows[Folder(quiet).table.known]
-    folder = Folder.at(tmp_path_factory.mktemp("map") / "run", SPEC)
+    go_on(quiet, spec=request.param)
+    table = Folder(quiet).table
+    folder = Folder.at(tmp_path_factory.mktemp("map") / "run", request.param)
     folder.begin()
-    for block in np.array_split(rows, 12):
-        folder.append(Block(block.copy(), np.ones(len(block), "<f4")))
+    for units in np.array_split(np.flatnonzero(table.known), RECORDS):
+        folder.append(table.block(units))
     folder.end("complete")
     return Folder(folder.path)
 
@@ -35,11 +43,14 @@ def log(run: Folder) -> bytes:
 
 
 def read(content: bytes, run: Folder) -> tuple[Table, Found]:
-    """The rows in the bytes of a log; each must be a row of the map."""
+    """What is in the bytes of a log; each row must be one of the map, with its bins."""
     found, table = Found(), Table(run.head)
-    for block in read_log(io.BytesIO(content), run.head.seal, found):
+    measured = bool(run.head.spec.measure)
+    for block in read_log(io.BytesIO(content), run.head.seal, found, measured=measured):
         table.add(block, "log")
-    assert table.rows[table.known].tobytes() == run.table.rows[table.known].tobytes()
+    known = np.flatnonzero(table.known)
+    for one, other in zip(table.block(known)[::2], run.table.block(known)[::2], strict=True):
+        assert one.tobytes() == other.tobytes()
     return table, found
 
 
@@ -48,21 +59,26 @@ def whole(run: Folder) -> int:
 
 
 def test_a_log_is_a_tar_file_of_numpy_tables(log: bytes, run: Folder) -> None:
-    units = []
+    units: dict[str, list[Any]] = {"": [], ".bins": []}
     with tarfile.open(fileobj=io.BytesIO(log)) as archive:
         names = archive.getnames()
         for name in names:
             if name.endswith(".npy") and ".ns." not in name:
                 member: Any = archive.extractfile(name)
-                units.append(np.load(io.BytesIO(member.read()), allow_pickle=False)["unit"])
+                rows = np.load(io.BytesIO(member.read()), allow_pickle=False)
+                units[".bins" * name.endswith(".bins.npy")].append(np.unique(rows["unit"]))
     assert (names[0], names[-1]) == ("writer.json", "end.json")
-    assert len(units) == 12
-    assert sorted(np.concatenate(units)) == np.flatnonzero(run.table.known).tolist()
+    head = json.loads((run.path / "head.json").read_text())
+    assert head["format_version"] == (2 if run.head.spec.measure else 1)
+    for kind, tables in units.items():
+        if kind == "" or run.head.spec.measure:
+            assert len(tables) == RECORDS
+            assert np.concatenate(tables).tolist() == np.flatnonzero(run.table.known).tolist()
 
 
 def test_truncated_logs_have_their_whole_records(log: bytes, run: Folder) -> None:
     known, torn = [], 0
-    for length in [*range(0, len(log), 97), len(log)]:
+    for length in [*range(0, len(log), 197), len(log)]:
         table, found = read(log[:length], run)
         known.append(int(table.known.sum()))
         # A log without an end is one of a process that runs or was killed.
@@ -75,20 +91,20 @@ def test_truncated_logs_have_their_whole_records(log: bytes, run: Folder) -> Non
 
 def test_flipped_bits_lose_rows_and_never_change_them(log: bytes, run: Folder) -> None:
     random, lost = np.random.default_rng(1), 0
-    for place in random.integers(0, len(log), 600):
+    for place in random.integers(0, len(log), 300):
         content = bytearray(log)
         content[place] ^= 1 << int(random.integers(0, 8))
         table, found = read(bytes(content), run)
         if table.known.sum() < whole(run):
             lost += 1
             assert found.damage
-    assert lost > 200
+    assert lost > 100
 
 
 @pytest.mark.parametrize("kind", ["zeros", "garbage", "cut out", "twice"])
 def test_damaged_pages_lose_rows_and_never_change_them(log: bytes, run: Folder, kind: str) -> None:
     random = np.random.default_rng(2)
-    for _ in range(150):
+    for _ in range(80):
         begin = int(random.integers(0, len(log)))
         length = int(random.integers(1, 4097))
         length = min(length, len(log) - begin)
@@ -100,6 +116,22 @@ def test_damaged_pages_lose_rows_and_never_change_them(log: bytes, run: Folder, 
         }[kind]
         table, found = read(log[:begin] + page + log[begin + length :], run)
         assert found.damage or table.known.sum() == whole(run)
+
+
+def test_bins_of_another_record_are_not_taken(log: bytes, run: Folder) -> None:
+    """The tables of bins of two records, exchanged: each one is whole, but not of its rows."""
+    if not run.head.spec.measure:
+        return
+    with tarfile.open(fileobj=io.BytesIO(log)) as archive:
+        members = archive.getmembers()
+    ends = [member.offset_data + -(-member.size // 512) * 512 for member in members]
+    pieces = [log[member.offset : end] for member, end in zip(members, ends, strict=True)]
+    bins = [k for k, member in enumerate(members) if member.name.endswith(".bins.npy")]
+    pieces[bins[1]], pieces[bins[4]] = pieces[bins[4]], pieces[bins[1]]
+    table, found = read(b"".join(pieces), run)
+    lost = 2 * -(-whole(run) // RECORDS)
+    assert 0 < whole(run) - int(table.known.sum()) <= lost
+    assert "a record without its values" in found.damage[0]
 
 
 def test_a_damaged_log_is_left_alone_and_its_rows_are_computed_again(
@@ -114,7 +146,7 @@ def test_a_damaged_log_is_left_alone_and_its_rows_are_computed_again(
     content[len(log) // 3] ^= 1
     damaged.write_bytes(content)
     assert len(Folder(path).logs[0].damage) >= 1
-    go_on(path)
+    go_on(path, spec=run.head.spec)
     assert numbers(path) == run.table.rows.tobytes()
     assert damaged.read_bytes() == content
 
@@ -133,7 +165,7 @@ def test_a_member_that_claims_a_terabyte_takes_no_memory(run: Folder) -> None:
     assert found.damage == ["a torn record at byte 0"]
 
 
-def test_strange_files_among_the_logs_are_not_read(run: Folder, tmp_path: Path) -> None:
+def test_strange_files_among_the_logs_are_not_read(tmp_path: Path) -> None:
     path = tmp_path / "run"
     go_on(path)
     before = numbers(path)
@@ -142,4 +174,3 @@ def test_strange_files_among_the_logs_are_not_read(run: Folder, tmp_path: Path) 
     outside = tmp_path / "outside"
     outside.write_bytes(b"x" * 4096)
     assert numbers(path) == before
-    assert run.head.spec == SPEC

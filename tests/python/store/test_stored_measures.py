@@ -1,7 +1,5 @@
 """Running maps with measures: their logs hold bins, and every way of computing gives the same."""
 
-import io
-import tarfile
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +7,7 @@ import numpy as np
 import pytest
 
 import rigid
-from rigid.store.log import Found, read_log
-from rigid.store.rows import BIN_ROW, Block, Table
+from rigid.store.rows import Block
 from rigid.store.running import Folder
 from small_maps import saved_bytes, small_map
 
@@ -30,17 +27,11 @@ def quiet() -> rigid.StabilityMap:
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory, quiet: rigid.StabilityMap) -> Folder:
-    """The same map in one log of many records."""
-    folder = Folder.at(tmp_path_factory.mktemp("map") / "run", quiet.spec)
-    whole = Folder.at(tmp_path_factory.mktemp("whole") / "run", quiet.spec)
-    measured(store=whole.path)
-    whole.read()
-    folder.begin()
-    for units in np.array_split(np.flatnonzero(whole.table.known), 9):
-        folder.append(whole.table.block(units))
-    folder.end("complete")
-    return Folder(folder.path)
+def run(tmp_path_factory: pytest.TempPathFactory) -> Folder:
+    """The same map, stored."""
+    path = tmp_path_factory.mktemp("map") / "run"
+    measured(store=path)
+    return Folder(path)
 
 
 def test_sittings_parts_and_merges_have_the_same_bytes(
@@ -101,63 +92,6 @@ def test_pixels_that_are_left_out_have_no_values() -> None:
         assert not one.count[left_out].any()
         np.testing.assert_array_equal(one.mean[~left_out], full.measures[name].mean[~left_out])
     result.plot(what="mean of flips")
-
-
-def test_a_log_is_a_tar_file_of_rows_and_bins(run: Folder) -> None:
-    (log,) = (run.path / "logs").iterdir()
-    units = []
-    with tarfile.open(log) as archive:
-        for name in archive.getnames():
-            if name.endswith(".bins.npy"):
-                member: Any = archive.extractfile(name)
-                bins = np.load(io.BytesIO(member.read()), allow_pickle=False)
-                assert bins.dtype == BIN_ROW
-                units.append(np.unique(bins["unit"]))
-    assert len(units) == 9
-    assert np.concatenate(units).tolist() == np.flatnonzero(run.table.known).tolist()
-
-
-def read(content: bytes, run: Folder) -> tuple[Table, Found]:
-    """What is in the bytes of a log; each row must be one of the map, with its bins."""
-    found, table = Found(), Table(run.head)
-    for block in read_log(io.BytesIO(content), run.head.seal, found, measured=True):
-        table.add(block, "log")
-    known = np.flatnonzero(table.known)
-    for one, other in zip(table.block(known)[::2], run.table.block(known)[::2], strict=True):
-        assert one.tobytes() == other.tobytes()
-    return table, found
-
-
-def test_damaged_logs_have_no_row_without_its_bins(run: Folder) -> None:
-    (log,) = (run.path / "logs").iterdir()
-    content, whole = log.read_bytes(), int(run.table.known.sum())
-    for length in range(0, len(content), 1013):
-        read(content[:length], run)
-    random, lost = np.random.default_rng(7), 0
-    for place in random.integers(0, len(content), 300):
-        flipped = bytearray(content)
-        flipped[place] ^= 1 << int(random.integers(8))
-        table, found = read(bytes(flipped), run)
-        if table.known.sum() < whole:
-            lost += 1
-            assert found.damage
-    assert lost > 100
-
-
-def test_bins_of_another_record_are_not_taken(run: Folder) -> None:
-    """The tables of bins of two records, exchanged: each one is whole, but not of its rows."""
-    (log,) = (run.path / "logs").iterdir()
-    with tarfile.open(log) as archive:
-        members = archive.getmembers()
-        content = log.read_bytes()
-    ends = [member.offset_data + -(-member.size // 512) * 512 for member in members]
-    pieces = [content[member.offset : end] for member, end in zip(members, ends, strict=True)]
-    bins = [k for k, member in enumerate(members) if member.name.endswith(".bins.npy")]
-    pieces[bins[1]], pieces[bins[4]] = pieces[bins[4]], pieces[bins[1]]
-    table, found = read(b"".join(pieces), run)
-    lost = 2 * -(-int(run.table.known.sum()) // 9)
-    assert 0 < int(run.table.known.sum()) - int(table.known.sum()) <= lost
-    assert "a record without its values" in found.damage[0]
 
 
 def altered(run: Folder, path: Path, count: int) -> Folder:

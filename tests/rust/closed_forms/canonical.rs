@@ -1,7 +1,6 @@
 //! Canonical forms: from a body to its canonical form and back.
 
 use super::*;
-use rigid::parallel::Interrupt;
 use rigid::scene::TOP;
 
 fn form(body: &Body) -> Option<ClosedForm> {
@@ -177,10 +176,10 @@ fn what_has_no_closed_form_is_refused() {
             refinement: 1.0,
             max_steps: 0,
         };
-        simulate(&request, 1, Isa::NARROWEST, &Interrupt::never()).err().map(|error| error.to_string())
+        simulate(&request, Call::to_the_end(Isa::NARROWEST, 1)).err().map(|error| error.to_string())
     };
     assert!(ask(&[plain, body], Schedule::Times(&[1.0])).unwrap().contains('1'));
     assert!(ask(&[plain, plain], Schedule::Strides(&[1])).unwrap().contains("takes no steps"));
     assert!(ask(&[plain, plain], Schedule::Times(&[1.0])).is_none());
-    assert_eq!(CanonicalForm::of(&plain).unwrap().kind(), EvaluatorKind::Free);
+    assert_eq!(CanonicalForm::of(&plain).unwrap().evaluator(), Evaluator::Free);
 }

@@ -11,13 +11,13 @@ use crate::tests::scene_of;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rigid::body::Body;
+use rigid::call::Call;
 use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
-use rigid::exact::{CanonicalForm, ClosedForm, EvaluatorKind};
+use rigid::exact::{CanonicalForm, ClosedForm, Evaluator};
 use rigid::forces::{BodyForces, Forces};
 use rigid::inertia::check_moments;
 use rigid::kinematics::to_body_frame;
 use rigid::method::AnyMethod;
-use rigid::parallel::Interrupt;
 use rigid::simd::Isa;
 use rigid::special::theta::{Phase, Torus};
 use rigid::special::{complete_k, jacobi, sincos};
@@ -42,7 +42,7 @@ fn solved(body: &Body, times: &[f64]) -> States {
         refinement: 1.0,
         max_steps: 0,
     };
-    simulate(&request, 1, Isa::available()[0], &Interrupt::never()).unwrap()
+    simulate(&request, Call::to_the_end(Isa::available()[0], 1)).unwrap()
 }
 
 /// Rates and attitude at each time.

@@ -5,9 +5,9 @@ use crate::tests::scene_of;
 
 /// Bodies of a closed form in canonical variables. Ordinary bodies are in the same registers as special ones: near and
 /// exactly on separatrices, at poles and turning points, on stable axes, with extreme units.
-fn canonical_bodies(kind: EvaluatorKind) -> Vec<Body> {
+fn canonical_bodies(kind: Evaluator) -> Vec<Body> {
     let special = |number: u64| -> Body {
-        let ordinary = body(number, kind == EvaluatorKind::Lagrange, kind != EvaluatorKind::Free);
+        let ordinary = body(number, kind == Evaluator::Lagrange, kind != Evaluator::Free);
         let tiny = 10.0_f64.powi(-((number / 14) as i32) - 4);
         let free = |moments, omega| Body { moments, omega, ..ordinary };
         let top = |theta: f64, omega: [f64; 3], mgl| {
@@ -16,34 +16,34 @@ fn canonical_bodies(kind: EvaluatorKind) -> Vec<Body> {
         };
         let upright = |q| Body { attitude: q, ..top(0.0, [1.5, -0.5, 6.0], 4.0) };
         match (kind, number % 14) {
-            (EvaluatorKind::Free, 1) => free([1.0, 2.0, 3.0], [tiny, 1.0, tiny]),
-            (EvaluatorKind::Free, 2) => free([3.0, 2.0, 1.0], [0.0, -1.0, tiny]),
-            (EvaluatorKind::Free, 3) => free([1.0, 2.0, 2.25], [-0.375, 0.25, 0.5]),
-            (EvaluatorKind::Free, 4) => free([1.0, 3.0, 2.0], [tiny, 1.0, -tiny]),
-            (EvaluatorKind::Free, 5) => free([1.0, 1.0 + tiny, 1.5], [0.4, -0.3, 1.2]),
-            (EvaluatorKind::Free, 6) => free([1e-150, 2e-150, 2.5e-150], [3e8, 1e8, -2e8]),
-            (EvaluatorKind::Symmetric, 1) => free([1.5; 3], [0.3, 1.0, -2.0]),
-            (EvaluatorKind::Symmetric, 2) => free([2.0, 2.0, 3.0], [0.0; 3]),
-            (EvaluatorKind::Symmetric, 3) => free([2.0, 2.0, 3.0], [0.0, 0.0, -1e-200]),
-            (EvaluatorKind::Symmetric, 4) => free([1.0, 1.0, 0.2], [tiny, 0.0, 1e3]),
-            (EvaluatorKind::Lagrange, 1) => top(tiny, [0.0, 0.0, 3.0], 4.0),
-            (EvaluatorKind::Lagrange, 2) => top(tiny, [0.0, 0.0, 12.0], 4.0),
-            (EvaluatorKind::Lagrange, 3) => upright([1.0, 0.0, 0.0, 0.0]),
-            (EvaluatorKind::Lagrange, 4) => upright([0.0, 0.6, 0.8, 0.0]),
-            (EvaluatorKind::Lagrange, 5) => top(1.2, [0.0; 3], -4.0),
-            (EvaluatorKind::Lagrange, 6) => top(1.2, [2.0, 0.0, 0.0], 4.0),
-            (EvaluatorKind::Lagrange, 7) => top(1.2, [0.0, 0.7, 0.0], 4.0),
-            (EvaluatorKind::Lagrange, 8) => top(1.2, [0.3, 0.7, 6.0], -4.0),
+            (Evaluator::Free, 1) => free([1.0, 2.0, 3.0], [tiny, 1.0, tiny]),
+            (Evaluator::Free, 2) => free([3.0, 2.0, 1.0], [0.0, -1.0, tiny]),
+            (Evaluator::Free, 3) => free([1.0, 2.0, 2.25], [-0.375, 0.25, 0.5]),
+            (Evaluator::Free, 4) => free([1.0, 3.0, 2.0], [tiny, 1.0, -tiny]),
+            (Evaluator::Free, 5) => free([1.0, 1.0 + tiny, 1.5], [0.4, -0.3, 1.2]),
+            (Evaluator::Free, 6) => free([1e-150, 2e-150, 2.5e-150], [3e8, 1e8, -2e8]),
+            (Evaluator::Symmetric, 1) => free([1.5; 3], [0.3, 1.0, -2.0]),
+            (Evaluator::Symmetric, 2) => free([2.0, 2.0, 3.0], [0.0; 3]),
+            (Evaluator::Symmetric, 3) => free([2.0, 2.0, 3.0], [0.0, 0.0, -1e-200]),
+            (Evaluator::Symmetric, 4) => free([1.0, 1.0, 0.2], [tiny, 0.0, 1e3]),
+            (Evaluator::Lagrange, 1) => top(tiny, [0.0, 0.0, 3.0], 4.0),
+            (Evaluator::Lagrange, 2) => top(tiny, [0.0, 0.0, 12.0], 4.0),
+            (Evaluator::Lagrange, 3) => upright([1.0, 0.0, 0.0, 0.0]),
+            (Evaluator::Lagrange, 4) => upright([0.0, 0.6, 0.8, 0.0]),
+            (Evaluator::Lagrange, 5) => top(1.2, [0.0; 3], -4.0),
+            (Evaluator::Lagrange, 6) => top(1.2, [2.0, 0.0, 0.0], 4.0),
+            (Evaluator::Lagrange, 7) => top(1.2, [0.0, 0.7, 0.0], 4.0),
+            (Evaluator::Lagrange, 8) => top(1.2, [0.3, 0.7, 6.0], -4.0),
             // Through the bottom, with the speed at which the body just reaches the top.
-            (EvaluatorKind::Lagrange, 9) => {
+            (Evaluator::Lagrange, 9) => {
                 Body { attitude: [0.0, 1.0, 0.0, 0.0], ..top(0.0, [4.0, 0.0, 0.0], 4.0) }
             }
-            (EvaluatorKind::Lagrange, 10) => top(1.2, [2.0, 0.3, 1e5], 1e-4),
+            (Evaluator::Lagrange, 10) => top(1.2, [2.0, 0.3, 1e5], 1e-4),
             _ => ordinary,
         }
     };
     let forms = (0..140).map(special).map(|body| (CanonicalForm::of(&body).unwrap(), body));
-    let of_kind = forms.filter(|(form, _)| form.kind() == kind);
+    let of_kind = forms.filter(|(form, _)| form.evaluator() == kind);
     let bodies: Vec<Body> = of_kind.map(|(form, body)| form.to_canonical(&body)).collect();
     assert!(bodies.len() >= 130, "{kind:?}: {}", bodies.len());
     bodies
@@ -51,33 +51,32 @@ fn canonical_bodies(kind: EvaluatorKind) -> Vec<Body> {
 
 const EVALUATION_TIMES: [f64; 6] = [2.0, -3.7, 0.0, 0.3, 41.3, 1e4];
 
-/// The exit that is computed for a lane; see `ExitRows`.
-fn exit_of(number: usize) -> [f64; 3] {
-    [(number % 3) as f64, [0.05, 0.6, 1.0, 1.9][number % 4], [1.0, -1.0][number / 2 % 2]]
+/// The exit that is computed for a lane.
+fn exit_of(number: usize) -> Exit<f64> {
+    let limit = [0.05, 0.6, 1.0, 1.9][number % 4];
+    let direction = [1.0, -1.0][number / 2 % 2];
+    Exit { axis: (number % 3) as f64, limit: [limit, 2.0 - limit], direction }
 }
 
 /// States, rates and exit of each lane; the times differ between lanes.
-fn evaluated(kind: EvaluatorKind, isa: Isa, lanes: &[(usize, Body)]) -> Vec<Vec<u64>> {
+fn evaluated(kind: Evaluator, isa: Isa, lanes: &[(usize, Body)]) -> Vec<Vec<u64>> {
     let mut starts = StartRows::filled(&lanes[0].1);
     let nothing = Row([0.0; LANES]);
-    let mut exits = ExitRows { axis: nothing, limit: [nothing; 2], direction: nothing };
+    let mut exits = Exit::ZERO;
     let mut times = [nothing; EVALUATION_TIMES.len()];
     for (lane, (number, body)) in lanes.iter().enumerate() {
         starts.set(lane, body);
-        let [axis, limit, direction] = exit_of(*number);
-        (exits.axis.0[lane], exits.direction.0[lane]) = (axis, direction);
-        (exits.limit[0].0[lane], exits.limit[1].0[lane]) = (limit, 2.0 - limit);
+        exits.set(lane, exit_of(*number));
         for (k, row) in times.iter_mut().enumerate() {
             row.0[lane] = EVALUATION_TIMES[(k + number) % EVALUATION_TIMES.len()];
         }
     }
-    let evaluator = Evaluator::new(kind, isa);
     let mut states = [StateRows::ZERO; EVALUATION_TIMES.len()];
     let mut rates = states;
     let mut exit_times = nothing;
-    evaluator.states(&starts, &times, &mut states);
-    evaluator.rates(&starts, &times, &mut rates);
-    evaluator.exits(&starts, &exits, &mut exit_times);
+    kind.states(isa, &starts, &times, &mut states);
+    kind.rates(isa, &starts, &times, &mut rates);
+    kind.exits(isa, &starts, &exits, &mut exit_times);
     let of_lane = |lane: usize| {
         let of_state = |state: &StateRows| {
             let rows = state.omega.iter().chain(&state.attitude);
@@ -93,7 +92,7 @@ fn evaluated(kind: EvaluatorKind, isa: Isa, lanes: &[(usize, Body)]) -> Vec<Vec<
 /// A body in all lanes, and a body in any lane with other bodies, have the same bits.
 #[test]
 fn closed_forms_on_every_instruction_set_and_in_every_lane() {
-    for kind in [EvaluatorKind::Symmetric, EvaluatorKind::Free, EvaluatorKind::Lagrange] {
+    for kind in [Evaluator::Symmetric, Evaluator::Free, Evaluator::Lagrange] {
         let bodies: Vec<(usize, Body)> = canonical_bodies(kind).into_iter().enumerate().collect();
         let alone = |numbered_body: &(usize, Body)| {
             evaluated(kind, Isa::NARROWEST, &[*numbered_body; LANES]).swap_remove(0)
@@ -184,7 +183,7 @@ fn closed_form(
         refinement: 1.0,
         max_steps: 0,
     };
-    simulate(&request, threads, isa, &GO).unwrap()
+    simulate(&request, Call::to_the_end(isa, threads)).unwrap()
 }
 
 /// The lanes contain the times of a single body, or the bodies of a batch.

@@ -115,7 +115,8 @@ fn in_pieces(map: &Map, size: u64, threads: usize, isa: Isa) -> Vec<Statistics> 
     };
     let mut all = vec![none; map.pixels.len()];
     for start in (0..map.len()).step_by(size as usize) {
-        let (first, part, _) = map.run(start, map.len().min(start + size), threads, isa, &GO).unwrap();
+        let (first, part, _) =
+            map.run(start, map.len().min(start + size), Call::to_the_end(isa, threads)).unwrap();
         for (pixel, statistics) in (first as usize..).zip(part) {
             all[pixel] = merged(all[pixel], without_time(statistics));
         }
@@ -217,8 +218,8 @@ fn samples_with_common_audits_do_not_depend_on_the_division_of_the_work() {
         doubtful += total.checked - total.audited;
         let isa = Isa::available()[0];
         for flat in (0..map.len()).step_by(37) {
-            let (class, _, _) = map.samples_at(&[flat], 1, isa, &GO).unwrap().0[0];
-            let alone = map.run(flat, flat + 1, 1, isa, &GO).unwrap().1[0];
+            let class = map.samples_at(&[flat], Call::to_the_end(isa, 1)).unwrap().0[0].class;
+            let alone = map.run(flat, flat + 1, Call::to_the_end(isa, 1)).unwrap().1[0];
             let counts = [alone.stable, alone.unstable, alone.undecided];
             let expected =
                 [Class::Stable, Class::Unstable, Class::Undecided].map(|of| u64::from(of == class));
@@ -236,9 +237,10 @@ fn a_sample_alone_is_the_sample_of_the_map() {
         let isa = Isa::available()[0];
         for flat in (0..map.len()).step_by(37) {
             let pixel = flat / SAMPLES;
-            let (class, outcome, _) = map.samples_at(&[flat], 1, isa, &GO).unwrap().0[0];
+            let verdict = map.samples_at(&[flat], Call::to_the_end(isa, 1)).unwrap().0[0];
+            let Verdict { class, first: outcome, .. } = verdict;
             let body = map.draw_at(isa, &[(pixel, flat % SAMPLES)]).unwrap()[0];
-            let statistics = map.run(flat, flat + 1, 1, isa, &GO).unwrap().1[0];
+            let statistics = map.run(flat, flat + 1, Call::to_the_end(isa, 1)).unwrap().1[0];
             let mut expected = Statistics::NONE;
             if map.pixels[pixel as usize].possible {
                 match class {

@@ -10,24 +10,24 @@ mod trajectories;
 
 use crate::tests::scene_of;
 use rigid::body::Body;
+use rigid::call::Call;
 use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
-use rigid::exact::{CanonicalForm, Evaluator, EvaluatorKind, ExitRows, StartRows, StateRows};
+use rigid::exact::{CanonicalForm, Evaluator, Exit, StartRows, StateRows};
 use rigid::forces::{BodyForces, Forces};
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
-use rigid::map::{Check, Class, Condition, Criterion, Distributions, Logic, Map, Pixel, Rule, Statistics};
+use rigid::map::{
+    Check, Class, Condition, Criterion, Distributions, Logic, Map, Pixel, Rule, Statistics, Verdict,
+};
 use rigid::method::{self, AnyMethod, EngineName, Method, Step};
 use rigid::observe::{Bound, Deviation, EXIT_TIME, Flips, Observed, Quantity, Tilt};
-use rigid::parallel::Interrupt;
 use rigid::sample::{Distribution, uniforms};
 use rigid::simd::Isa;
 use rigid::simd::{LANES, Row};
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 use std::mem::discriminant;
-
-static GO: Interrupt = Interrupt::never();
 
 fn bits(x: f64) -> u64 {
     if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() }
@@ -344,7 +344,7 @@ impl Case {
             refinement: 1.0,
             max_steps: 500,
         };
-        simulate(&request, threads, isa, &GO).unwrap()
+        simulate(&request, Call::to_the_end(isa, threads)).unwrap()
     }
 }
 
