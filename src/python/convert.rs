@@ -435,22 +435,11 @@ pub fn first_not_finite(array: Aligned<'_, f64, IxDyn>) -> PyResult<Option<usize
     Ok(array.as_slice()?.iter().position(|x| !x.is_finite()))
 }
 
-/// The first body whose fastest rate, the largest component of `omega` or its swing, is below `least` but not zero. One
-/// swing may be that of all bodies.
+/// The first body whose fastest rate, the largest component of `omega` or `swing`, is below `least` but not zero.
 #[pyfunction]
-pub fn first_slow(
-    omega: &Bound<'_, PyArray2<f64>>,
-    swings: Aligned1<'_, f64>,
-    least: f64,
-) -> PyResult<Option<usize>> {
+pub fn first_slow(omega: &Bound<'_, PyArray2<f64>>, swing: f64, least: f64) -> PyResult<Option<usize>> {
     let _standard = FloatEnvironment::standard();
-    let swings = swings.as_slice()?;
-    let fastest = |(omega, &swing): (&[f64; 3], &f64)| omega.iter().fold(swing, |rate, x| rate.max(x.abs()));
-    of_rows::<3, _>("omega", omega, |omega| {
-        if swings.len() != 1 {
-            same_length("swings", omega.len(), swings.len())?;
-        }
-        let mut rates = omega.iter().zip(swings.iter().cycle()).map(fastest);
-        Ok(rates.position(|rate| rate > 0.0 && rate < least))
-    })
+    let fastest = |omega: &[f64; 3]| omega.iter().fold(swing, |rate, x| rate.max(x.abs()));
+    let is_slow = |omega: &[f64; 3]| fastest(omega) > 0.0 && fastest(omega) < least;
+    of_rows::<3, _>("omega", omega, |omega| Ok(omega.iter().position(is_slow)))
 }

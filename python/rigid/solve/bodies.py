@@ -237,7 +237,13 @@ class Bodies:
         fastest = float(swing[0]) if len(swing) == 1 else swing.max(initial=0.0)
         if not fastest**2 < HEAVIEST:
             self._check_weight(scene)
-        slow = _core.first_slow(self.omega, swing, SLOWEST)
+        if len(swing) == 1:
+            slow = _core.first_slow(self.omega, fastest, SLOWEST)
+        else:
+            first, second, third = np.abs(self.omega).T
+            rates = np.maximum(np.maximum(np.maximum(first, second), third), swing)
+            found = np.flatnonzero((rates > 0.0) & (rates < SLOWEST))
+            slow = int(found[0]) if len(found) else None
         if slow is not None:
             rate = max(np.broadcast_to(swing, len(self))[slow], np.abs(self.omega[slow]).max())
             raise ValueError(

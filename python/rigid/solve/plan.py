@@ -253,18 +253,20 @@ class Lazy(Generic[Made]):
     def amend(self, reason: str | None = None, **fields: Any) -> None:
         """Change fields of a plan that is not yet read, and add a reason."""
         assert self._making is not None
-        make, given = self._making
-
-        def amended() -> Any:
-            plan: Any = make(*given)
-            if reason is not None:
-                fields["why"] = (*plan.why, reason)
-            return dataclasses.replace(plan, **fields)
-
-        self._making = amended, ()
+        self._making = _amended, (*self._making, reason, fields)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self).of, (self(),)
+
+
+def _amended(
+    make: Callable[..., Any], given: tuple[Any, ...], reason: str | None, fields: dict[str, Any]
+) -> Any:
+    """The plan with other fields, and with a further reason."""
+    plan = make(*given)
+    if reason is not None:
+        fields = {**fields, "why": (*plan.why, reason)}
+    return dataclasses.replace(plan, **fields)
 
 
 def plan_of_parts(scene: Scene, plans: Sequence[Lazy[Plan]], groups: Sequence[Sized]) -> Plan:

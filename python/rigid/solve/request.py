@@ -166,7 +166,7 @@ def _inertia(scene: Scene) -> tuple[Floats, Floats]:
     return in_rows(moments, scene.shape), in_rows(scene.weight, scene.shape)
 
 
-@dataclass(slots=True, kw_only=True, eq=False)
+@dataclass(slots=True, eq=False)
 class Request:
     """A call of the core for states of bodies at output times.
 
