@@ -8,7 +8,7 @@ use crate::forces::{ForcesInterval, SMALL_STATE};
 use crate::kinematics::{plus, put, speed};
 use crate::real::Real;
 use crate::scene::{
-    Applied, FurtherRate, Layout, MOVED, Model, Moved, Parameters, ROWS_LEN, Torques, in_rows,
+    Applied, FurtherRate, Layout, MOVED, Model, Moved, Parameters, ROWS_LEN, Torques, Varied, in_rows,
 };
 use std::marker::PhantomData;
 
@@ -208,7 +208,7 @@ pub(super) fn add_times<R: Real>(sum: R, number: f64, slope: R) -> R {
 /// The slopes and the weighted sum of the slopes of all stages, unrolled, so that each number of the table is a literal,
 /// and zeros and ones cost nothing.
 macro_rules! stages {
-    ($engine:ident, $y:ident, $k:ident, $sum:ident: $($i:literal)*) => {
+    ($engine:ident, $varied:ident, $y:ident, $k:ident, $sum:ident: $($i:literal)*) => {
         $(
             if const { $i < T::STAGES } {
                 let at = if const { $i == 0 } {
@@ -216,7 +216,7 @@ macro_rules! stages {
                 } else {
                     $engine.stage_state::<L, $i, D>($y, &$k)
                 };
-                $k[$i] = $engine.slope::<L, D>(&at);
+                $k[$i] = $engine.slope::<L, D>(&$varied, &at);
                 if const { weight::<T>($i) != 0.0 } {
                     for d in 0..D {
                         $sum[d] = if const { $i == 0 } {
@@ -255,15 +255,15 @@ fn gains<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
 fn rate<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
     model: &M,
     (applied, torques): (&Applied<R>, &Torques<R>),
+    (varied_model, varied): &Varied<R, M>,
     y: &[R; D],
 ) -> [R; D] {
     let omega = [y[0], y[1], y[2]];
     let mut dy = *y;
     if L::FURTHER {
         let FurtherRate { omega: change, turn, balance, states } = if L::TANGENT {
-            let (varied, moved) = (applied.varied(), applied.moved::<L, D>(y));
-            let model = applied.varied_model(model);
-            let rates = varied.under_further::<M::Varied, Moved, MOVED>(&model, &varied.torques(), &moved);
+            let (torques, moved) = (varied.torques(), applied.moved::<L, D>(y));
+            let rates = varied.under_further::<M::Varied, Moved, MOVED>(varied_model, &torques, &moved);
             put(&mut dy, L::TANGENT_AT, further_tangent_rate::<R, L, D>(y, &rates));
             rates.values()
         } else {
@@ -351,14 +351,14 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
 
     /// The slopes of a state.
     #[inline(always)]
-    fn slope<L: Layout, const D: usize>(&self, y: &[R; D]) -> [R; D] {
+    fn slope<L: Layout, const D: usize>(&self, varied: &Varied<R, M>, y: &[R; D]) -> [R; D] {
         if const { !T::SLOPES_CONTAIN_UNIT } {
             let model = if const { in_units::<R, M, L>() } { &self.in_units } else { &self.model };
-            return rate::<T, R, M, L, D>(model, (&self.applied, &self.torques), y);
+            return rate::<T, R, M, L, D>(model, (&self.applied, &self.torques), varied, y);
         }
         let unit = self.slopes.others;
         if const { !are_constants_in_units::<L>() } {
-            let mut slope = rate::<T, R, M, L, D>(&self.model, (&self.applied, &self.torques), y);
+            let mut slope = rate::<T, R, M, L, D>(&self.model, (&self.applied, &self.torques), varied, y);
             for d in 0..D {
                 slope[d] = slope[d] * if is_quaternion::<L>(d) { self.slopes.quaternion } else { unit };
             }
@@ -398,7 +398,7 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
     /// The slopes of the stages, in a loop, and their weighted sum.
     #[inline(always)]
     fn looped<L: Layout, const D: usize>(&self, y: &[R; D], slopes: &mut Coefficients<R, D>) -> [R; D] {
-        let zero = [R::splat(0.0); D];
+        let (zero, varied) = ([R::splat(0.0); D], self.applied.varied(&self.model));
         let mut sum = zero;
         slopes.clear();
         for i in 0..MAX_STAGES {
@@ -418,7 +418,7 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
                 at[L::TIME_AT] =
                     self.slopes.others.fma(R::splat(const { times_of::<T>() }[i]), y[L::TIME_AT]);
             }
-            let slope = self.slope::<L, D>(&at);
+            let slope = self.slope::<L, D>(&varied, &at);
             for d in 0..D {
                 sum[d] = R::splat(T::WEIGHTS[i]).fma(slope[d], sum[d]);
             }
@@ -517,7 +517,8 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
     /// `y + s (F_0 + (1 - s) (F_1 + s (F_2 + …)))`.
     #[inline(always)]
     fn inside<L: Layout, const D: usize>(&self, [y, after]: [&[R; D]; 2], slopes: &mut Coefficients<R, D>) {
-        slopes.push(self.slope::<L, D>(after));
+        let varied = self.applied.varied(&self.model);
+        slopes.push(self.slope::<L, D>(&varied, after));
         for row in T::INSIDE.stages {
             let mut at = *y;
             let known = slopes.all();
@@ -526,7 +527,7 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
                     at[d] = R::splat(row[j]).fma(known[j][d], at[d]);
                 }
             }
-            slopes.push(self.slope::<L, D>(&at));
+            slopes.push(self.slope::<L, D>(&varied, &at));
         }
         let powers = powers::<T, R, D>(y, after, slopes.all());
         slopes.clear();
@@ -614,9 +615,9 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
             self.finish::<L, D>(&sum, y, compensation);
             return;
         }
-        let mut k = [*y; MAX_STAGES];
+        let (mut k, varied) = ([*y; MAX_STAGES], self.applied.varied(&self.model));
         let mut sum = *y;
-        stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
+        stages!(self, varied, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
         self.finish::<L, D>(&sum, y, compensation);
     }
 

@@ -12,7 +12,9 @@ use crate::kinematics::{
     add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, cross, direction, plus, put,
 };
 use crate::real::{Outlined, Real, is_finite};
-use crate::scene::{Applied, Layout, MOVED, Model, Moved, Parameters, add_turned_axes, moved_by, quaternion};
+use crate::scene::{
+    Applied, Layout, MOVED, Model, Moved, Parameters, Varied, add_turned_axes, moved_by, quaternion,
+};
 use crate::series::{Coefficients, INVERSE, MAX_ORDER, VectorSeries};
 use crate::special::{exp, ln};
 use std::marker::PhantomData;
@@ -561,8 +563,7 @@ impl<R: Real> TurnSeries<R> {
 /// Coefficients under further forces, with their changes by a deviation vector. They are no part of `Beside`, so that
 /// motions without one have no memory for them.
 struct MovedSeries<R: Real, M: Model<R>> {
-    /// The model and what acts, with the change of the parameters.
-    equations: (M::Varied, Applied<Dual<R>>),
+    equations: Varied<R, M>,
     rows: Coefficients<Dual<R>, MOVED>,
     /// The variables of the forces of the next order.
     next: [Dual<R>; MOVED],
@@ -575,7 +576,7 @@ impl<R: Real, M: Model<R>> MovedSeries<R, M> {
     #[inline(always)]
     fn new(engine: &Taylor<R, M>) -> Self {
         MovedSeries {
-            equations: (engine.applied.varied_model(&engine.model), engine.applied.varied()),
+            equations: engine.applied.varied(&engine.model),
             rows: Coefficients::new(),
             next: [Dual::splat(0.0); MOVED],
             further: TurnSeries::new(),

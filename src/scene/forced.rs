@@ -79,6 +79,9 @@ pub(super) fn acts<R: Real>(v: &[R; 3]) -> bool {
     R::any(R::splat(0.0).lt(v[0].abs().max(v[1].abs()).max(v[2].abs())))
 }
 
+/// A model and what acts on it, by dual numbers.
+pub type Varied<R, M> = (<M as Model<R>>::Varied, Applied<Dual<R>>);
+
 impl<R: Real> Applied<R> {
     /// The constants of a body and its forces.
     #[inline(always)]
@@ -92,9 +95,9 @@ impl<R: Real> Applied<R> {
         Applied { moments: p.moments, inverse: [one / i1, one / i2, one / i3], forces }
     }
 
-    /// The constants with the change of the parameters.
+    /// A model and what acts on it, with the change of the parameters.
     #[inline(always)]
-    pub fn varied(&self) -> Applied<Dual<R>> {
+    pub fn varied<M: Model<R>>(&self, model: &M) -> Varied<R, M> {
         let mut forces = ForcesInterval::none();
         let ForcesInterval {
             body: [body, slope],
@@ -115,17 +118,12 @@ impl<R: Real> Applied<R> {
         for k in 0..4 {
             forces.trajectory.0[k] = Dual::of(&trajectory.0[k], &none);
         }
-        Applied {
+        let applied = Applied {
             moments: Dual::of(&self.moments, &change.moments),
             inverse: Dual::quotients(&self.inverse, none, &change.moments, &self.inverse),
             forces,
-        }
-    }
-
-    /// The model with the change of the parameters.
-    #[inline(always)]
-    pub fn varied_model<M: Model<R>>(&self, model: &M) -> M::Varied {
-        model.varied(&self.forces.change, &self.inverse)
+        };
+        (model.varied(change, &self.inverse), applied)
     }
 
     /// Torque and damping.

@@ -6,7 +6,7 @@ mod further;
 mod layout;
 mod top;
 
-pub use forced::{Applied, Torques};
+pub use forced::{Applied, Torques, Varied};
 pub use free::{FREE, Free};
 pub use further::{FurtherRate, MOVED, Moved, add_turned_axes, moved_by};
 pub use layout::{
