@@ -84,6 +84,8 @@ def make_varied(vary: object) -> tuple[Varied, ...]:
                 if row is None
                 else "belongs to the start; give the start a noise"
                 if row.place in OF_START
+                else "cannot vary from body to body; use com1, com2, com3"
+                if row.place == "com angles"
                 else "cannot vary from body to body"
             )
             raise ValueError(f"vary: {name!r} {reason}")
@@ -99,7 +101,8 @@ def make_varied(vary: object) -> tuple[Varied, ...]:
 
 def _is_of_body(row: Parameter) -> bool:
     """Whether a parameter is a number of a body and of the forces on it, not of its start."""
-    return row.number is None and row.place not in (*OF_START, OF_RUN)
+    has_values = row.number is None or row.value is not None
+    return has_values and row.place not in (*OF_START, OF_RUN)
 
 
 def check_varied(scene: Scene, start: Start, vary: Sequence[Varied], axes: Sequence[Axis]) -> None:
@@ -152,6 +155,7 @@ class Draws:
         count = len(self.pixels)
         draws = np.zeros(count, dtype=np.int64)
         waiting = np.flatnonzero(_possible(numbers, np.arange(count), physical))
+        waiting = waiting if self.vary else waiting[:0]
         values = {name: array.copy() for name, array in nominal.items()}
         first = 0
         while len(waiting):

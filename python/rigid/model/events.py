@@ -305,9 +305,9 @@ def crosses(
     -----
     A function takes ``(t, omega, attitude)`` and returns a number: of time (s), rates in the body
     (rad/s), and the unit quaternion from the body to space, scalar first. Then may follow
-    ``states`` and ``orbit_position``, which are those of a function of :meth:`Torque.call`; numba
-    compiles both alike. The scalar of the quaternion is not negative: where it would
-    pass zero, the quaternion changes its sign, and with it what is linear in the quaternion.
+    ``states`` and ``orbit_position``, as of a function of :meth:`Torque.call`. If numba is
+    installed, numba compiles the function. The scalar of the quaternion is not negative: where it
+    would pass zero, the quaternion changes its sign, and with it what is linear in the quaternion.
 
     Examples
     --------

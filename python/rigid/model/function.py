@@ -56,7 +56,7 @@ class TorqueFunction(ByValue):
         if isinstance(states, bool) or not isinstance(states, (int, np.integer)):
             raise TypeError(f"states = {brief(states)}: must be a whole number")
         if not 0 <= states <= MOST_STATES:
-            raise ValueError(f"states = {states}: must be at most {MOST_STATES} for each body")
+            raise ValueError(f"states = {states}: must lie in 0 to {MOST_STATES} for each body")
         numbers = None
         if data is not None:
             numbers = shaped("data", data)

@@ -44,8 +44,9 @@ class Parameter:
         Its index among the numbers of one body there; empty if it sets all of them.
     times : int or None
         The index of the moment of which the value is a multiple; it is set before.
-    number : callable or None
-        The number in its place as a function of the value, if it is another one.
+    number, value : callable or None
+        The number in its place as a function of the value, if it is another one, and the value as a
+        function of the number. None of an angle, whose bits would depend on the machine.
     lowest, highest : float
         Range of the values.
     open_end : bool
@@ -61,6 +62,7 @@ class Parameter:
     index: tuple[int, ...] = ()
     times: int | None = None
     number: Callable[[Floats], Any] | None = None
+    value: Callable[[Floats], Any] | None = None
     lowest: float = -np.inf
     highest: float = np.inf
     open_end: bool = False
@@ -121,10 +123,12 @@ class Parameter:
     def get(self, numbers: Mapping[str, Floats]) -> Floats:
         """Its values among the numbers of all bodies; of all components, shape (components, n).
 
-        A parameter whose number is not its value is not asked for.
+        A parameter whose number is not its value, and that has no ``value``, is not asked for.
         """
         every: Any = numbers[self.place]
         found: Floats = every[:, *self.index].T.copy()
+        if self.value is not None:
+            found = self.value(found)
         return found if self.times is None else found / every[:, self.times]
 
     def put(self, numbers: Mapping[str, Floats], values: Floats) -> None:
@@ -437,6 +441,7 @@ PARAMETERS: Mapping[str, Parameter] = {
             "semi-axes",  # a/b and c/b
             (k,),
             number=number,
+            value=number,  # the reciprocal is its own inverse
             lowest=1.0,
         )
         for k, (name, number) in enumerate({"a/b": None, "b/c": np.reciprocal}.items())

@@ -167,6 +167,28 @@ def test_ratios_are_drawn_after_the_moments_that_they_read() -> None:
         assert i2 == body.parameters["I2/I1"] * i1
 
 
+def test_semi_axes_of_moons_are_drawn() -> None:
+    """The truth are the moments of homogeneous ellipsoids, such as c² + b² about axis 1."""
+    moon = rigid.FreeBody(rigid.Body.ellipsoid(1.4, 1.2, 1.0))
+    vary = {"a/b": rigid.uniform(1.1, 1.3), "b/c": rigid.normal(0.05, relative=True)}
+    result = rigid.stability_map(
+        moon, axes={"spin": [1.0]}, vary=vary, samples=50, t_end=1.0, stable=rigid.no_flip(), rng=1
+    )
+    drawn: Any = result.starts(np.arange(50), pixel=0)
+    b, c = drawn.parameters["b/c"], 1.0
+    a = drawn.parameters["a/b"] * b
+    bodies: Any = rigid.sample_bodies(moon, vary, 50, rng=1)
+    right = np.stack([b * b + c * c, a * a + c * c, a * a + b * b], axis=-1)
+    right *= moon.body.moments[2] / right[:, 2:]
+    assert np.allclose(bodies.body.moments, right, rtol=1e-14, atol=0.0)
+    assert np.unique(b).size == np.unique(drawn.parameters["a/b"]).size == 50
+
+
+def test_no_parameter_at_random_leaves_the_body() -> None:
+    bodies = rigid.sample_bodies(BOX, {}, 3, rng=1)
+    assert np.array_equal(bodies.body.moments, np.tile(BOX.body.moments, (3, 1)))
+
+
 def test_no_theory_is_claimed_of_bodies_that_vary() -> None:
     assert predict(flipping(None).spec) is not None
     assert predict(flipping({"I1": rigid.normal(0.01)}).spec) is None
@@ -176,7 +198,10 @@ test_what_cannot_vary = refuses(
     [
         ({"spin": rigid.normal(0.1)}, "vary: 'spin' belongs to the start; give the start a noise"),
         ({"t_end": rigid.normal(0.1)}, "vary: 't_end' cannot vary from body to body"),
-        ({"com_tilt": rigid.normal(0.1)}, "vary: 'com_tilt' cannot vary from body to body"),
+        (
+            {"com_tilt": rigid.normal(0.1)},
+            "vary: 'com_tilt' cannot vary from body to body; use com1, com2, com3",
+        ),
         ({"I4": rigid.normal(0.1)}, "vary: 'I4' is no parameter (known: I1"),
         ({"mgl": rigid.normal(0.1)}, "vary: 'mgl' does not apply: a free body feels no weight"),
         ({"a": rigid.normal(0.1)}, "vary: 'a' does not apply: the sides of the body are not known"),
@@ -285,15 +310,17 @@ def test_every_parameter_of_a_body_can_vary() -> None:
             damping=0.1,
         ),
         "box": rigid.FreeBody(rigid.Body.box(0.3, 0.2, 0.1, mass=1.0)),
+        "ellipsoid": rigid.FreeBody(rigid.Body.ellipsoid(1.4, 1.2, 1.0)),
         "top": rigid.HeavyTop(rigid.Body((1.0, 1.5, 2.0)), mgl=1.0, com=(0.6, 0.0, 0.8)),
     }
     of_start = {"spin", "tilt", "energy", "l_gamma", "kappa", "attitude_kappa", "limit", "t_end"}
     for name, row in PARAMETERS.items():
-        if row.number is not None or row.place in ("omega", "noise", "attitude_noise"):
+        if row.place in ("com angles", "omega", "noise", "attitude_noise"):
             continue
         if name in of_start:
             continue
-        scene = "top" if row.place in ("mgl", "com") else "box" if row.place == "box" else "free"
+        of_places = {"mgl": "top", "com": "top", "box": "box", "semi-axes": "ellipsoid"}
+        scene = of_places.get(row.place, "free")
         result = rigid.stability_map(
             scenes[scene],
             axes={"spin": [0.5]},

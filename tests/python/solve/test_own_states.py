@@ -462,7 +462,8 @@ def made_of_gain(gain: Any) -> rigid.FreeBody:
 
 test_states_that_no_function_has_are_refused = refuses(
     [
-        ({"states": 9}, "states = 9: must be at most 8"),
+        ({"states": 9}, "states = 9: must lie in 0 to 8"),
+        ({"states": -1}, "states = -1: must lie in 0 to 8"),
         ({"states": 1.0}, TypeError, r"states = 1\.0: must be a whole number"),
         ({"states": 0}, TypeError, r"must take \(t, omega, attitude, data, torque\), or be"),
     ],
