@@ -177,7 +177,8 @@ def hours_of_tumbling(count: int = 16, seed: int = 1) -> Floats:
     for hour in range(48):
         data[:, 0] = 3600.0 * hour
         run = moved(data[still], omega, attitude, 60.0 * minutes, STEP)
-        slow = (np.abs(run.omega) <= SLOW).all(axis=-1)
+        assert run.attitude is not None
+        slow: NDArray[np.bool_] = np.asarray((np.abs(run.omega) <= SLOW).all(axis=-1))
         stops = slow.any(axis=1)
         ends[still[stops]] = hour + minutes[slow[stops].argmax(axis=1)] / 60.0
         still = still[~stops]

@@ -113,7 +113,7 @@ def test_a_floating_top_moves_as_by_scipy() -> None:
         return torque, rates
 
     scale = np.array([1.0] * 7 + [1e-3] * 3 + [1e-1] * 3)
-    start = [[0.0, 0.0, spin], TILT, START]
+    start: list[Any] = [[0.0, 0.0, spin], TILT, START]
     found = with_states(moments, acting, start, times, rtol=3e-14, atol=1e-15 * scale)
     # Three precessions and 85 rad of spin: 1e-10 of ours, and 1e-11 of SciPy.
     assert np.abs(run.omega - found[:, :3]).max() < 1e-9 * spin

@@ -171,8 +171,10 @@ def random_driven(count: int) -> tuple[rigid.HeavyTop, Floats, Floats, Floats, F
     """Tops with moments, weight, damping and torque of their own."""
     rng = np.random.default_rng(20261122)
     damping, torque = rng.uniform(0.0, 0.2, (count, 3)), rng.normal(size=(count, 3)) * 0.1
-    top, *start = tops_at_random(count, rng, damping=damping, torque=rigid.Torque.body(torque))
-    return top, damping, torque, *start
+    top, omega, attitude = tops_at_random(
+        count, rng, damping=damping, torque=rigid.Torque.body(torque)
+    )
+    return top, damping, torque, omega, attitude
 
 
 @pytest.mark.parametrize("method", [None, "rk4", "dop853", "taylor12", "taylor26"])
