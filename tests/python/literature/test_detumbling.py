@@ -6,7 +6,6 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 import rigid
-from physics import Floats
 from rigid.literature.detumbling import GAIN, moments, moved, satellites
 
 TUMBLING = np.full(3, np.pi)
@@ -30,8 +29,7 @@ def field(t: float) -> np.ndarray:
     of_earth = [-1501.0 + 18.1 * years, 4797.1 - 26.6 * years, -29442.0 + 10.3 * years]
     day = 86400.0 * 365.24 / 366.24
     dipole = Rotation.from_euler("Z", 2.0 * np.pi * t / day).apply(of_earth)
-    strength: Floats = 1e-9 * (6371.2e3 / radius) ** 3 * (3.0 * (dipole @ up) * up - dipole)
-    return strength
+    return np.asarray(1e-9 * (6371.2e3 / radius) ** 3 * (3.0 * (dipole @ up) * up - dipole))
 
 
 def after_cycles(data: np.ndarray, omega: np.ndarray, cycles: int) -> np.ndarray:
@@ -48,8 +46,7 @@ def after_cycles(data: np.ndarray, omega: np.ndarray, cycles: int) -> np.ndarray
 
     def later(t: float, y: np.ndarray, dipole: np.ndarray, time: float) -> np.ndarray:
         made = solve_ivp(change, (t, t + time), y, "DOP853", rtol=1e-11, atol=1e-13, args=(dipole,))
-        end: Floats = made.y[:, -1]
-        return end
+        return np.asarray(made.y[:, -1])
 
     def reading(t: float, y: np.ndarray) -> tuple[np.ndarray, float]:
         here = Rotation.from_quat(y[3:]).inv().apply(field(data[0] + t))
