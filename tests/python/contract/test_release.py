@@ -11,6 +11,7 @@ import pytest
 import rigid
 from processes import python_process
 from rigid._checks.extras import DISTRIBUTION, install_extra
+from rigid.literature.validation import entries
 
 ROOT = Path(__file__).parents[3]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -43,7 +44,8 @@ def test_every_message_names_an_extra_that_exists() -> None:
         for node in ast.walk(ast.parse(source.read_text(encoding="utf-8")))
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") == install_extra.__name__
     ]
-    named = {str(ast.literal_eval(call.args[1])) for call in calls}
+    named = {call.args[1].value for call in calls if isinstance(call.args[1], ast.Constant)}
+    named |= {entry.needs for entry in entries() if entry.needs}
     assert {"maps", "mesh", "notebook", "store", "dask"} <= named <= EXTRAS
 
 

@@ -97,6 +97,12 @@ def test_appended_parts_keep_the_numbers_of_their_bodies(case: str, tmp_path: Pa
             np.testing.assert_allclose(found.work.values, work, rtol=0.0, atol=1e-9)
 
 
+def test_rods_are_computed_in_parts() -> None:
+    rod, starts = rigid.Body((2.0, 2.0, 0.0)), [[0.3, 1.0, 0.0], [-1.0, 0.5, 0.0]]
+    parts = [part.omega for part in rigid.simulate_chunks(rod, starts, t=TIMES, chunk=1)]
+    np.testing.assert_array_equal(np.concatenate(parts), rigid.simulate(rod, starts, t=TIMES).omega)
+
+
 def test_what_all_bodies_have_in_common_is_no_variable() -> None:
     dataset = rigid.simulate(TOP, RNG.normal(size=(COUNT, 3)), t=TIMES).to_xarray()
     assert not {"moments", "mgl", "com", "damping", "torque"} & set(dataset)

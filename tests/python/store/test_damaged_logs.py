@@ -69,7 +69,7 @@ def test_a_log_is_a_tar_file_of_numpy_tables(log: bytes, run: Folder) -> None:
                 units[".bins" * name.endswith(".bins.npy")].append(np.unique(rows["unit"]))
     assert (names[0], names[-1]) == ("writer.json", "end.json")
     head = json.loads((run.path / "head.json").read_text())
-    assert head["format_version"] == (2 if run.head.spec.measure else 1)
+    assert head["format_version"] == 1
     for kind, tables in units.items():
         if kind == "" or run.head.spec.measure:
             assert len(tables) == RECORDS
