@@ -36,7 +36,7 @@ PAST_NODE = -sin(NODE) * cos(INCLINATION), cos(NODE) * cos(INCLINATION), sin(INC
 """Direction a quarter of the orbit later."""
 
 TURN = 2.0 * pi / (86400.0 * 365.24 / 366.24)
-"""Rate of the rotation of the Earth (rad/s); at first its axes are those of space."""
+"""Rate of the rotation of the Earth (rad/s); at first its axes are the axes of space."""
 
 DIPOLE = tuple(
     1e-9 * (6371.2e3 / RADIUS) ** 3 * (of_2015 + change * (212.0 / 365.0 + 3.0))
@@ -132,7 +132,7 @@ def satellites(count: int, seed: int) -> Floats:
     """The numbers of random satellites for :func:`coils`.
 
     Each has one of as many equally likely values of each number: their means scatter less than
-    those of independent draws (Latin hypercube).
+    the means of independent draws (Latin hypercube).
     """
     random = np.random.default_rng(seed)
     values = np.array([NormalDist().inv_cdf((i + 0.5) / count) for i in range(count)])
