@@ -4,7 +4,7 @@
 
 Without -P numba takes the script coverage.py beside this one for the package of that name.
 Wheels that saturate, filters, springs and thrusters that switch, with random numbers. The truth
-is SciPy's DOP853 at 1e-12 and at 1e-10: a run is judged if the two tell it from its stated error.
+is SciPy's DOP853 at 3e-14 and at 1e-12: a run is judged if the two tell it from its stated error.
 Fails if more than one run in 2000 by adaptive steps claims an error that it exceeds. Runs of
 ``rk4`` are counted only: two runs in equal steps may err alike at a jump.
 """
