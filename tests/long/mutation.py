@@ -180,6 +180,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "model/damping.py": ("solve/test_torque_and_damping.py", "solve/test_many_bodies.py"),
     "model/digest.py": ("maps/test_captured.py",),
     "model/events.py": ("solve/test_event_quantities.py", "solve/test_events.py"),
+    "model/forces.py": ("solve/test_axes_of_a_drawing.py", "solve/test_gyroscopes.py"),
     "model/frame.py": ("solve/test_axes_of_a_drawing.py",),
     "model/function.py": ("solve/test_callbacks.py",),
     "model/judged.py": ("maps/test_judged.py", "store/test_stored_functions.py"),

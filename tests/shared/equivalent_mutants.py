@@ -25,6 +25,11 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "-1 -> +1",
     ): "the array has two axes",
     (
+        "maps/page.py",
+        "done = max(int(data.samples.sum()), 1)",
+        "1 -> 2",
+    ): "it counts the bytes of a map of one body, which fits into any page",
+    (
         "model/measures.py",
         "tilt_below(1.0, reference=self.reference).check_forced(scene, forces)",
         "1.0 -> 2.0",

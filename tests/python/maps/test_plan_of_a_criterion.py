@@ -9,8 +9,10 @@ import pytest
 
 import rigid
 from refusals import refuses
+from rigid.maps.plan import shortened
 from rigid.model.criterion import Criterion
 from rigid.model.scene import Scene
+from small_maps import spec_of
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
 HEAVY = rigid.HeavyTop(rigid.Body((1.0, 1.4, 0.7)), mgl=1.0, com=(0.6, 0.0, 0.8))
@@ -179,3 +181,10 @@ test_what_a_map_does_not_have_is_refused = refuses(
         **{"scene": HEAVY, "question": rigid.no_flip(3), "t_end": 1.0, **options}
     ),
 )
+
+
+def test_a_shorter_map_is_allowed_its_share_of_the_steps() -> None:
+    """At least a thousand, below which a cost is not measured, and never more than the map."""
+    for most, share, allowed in ((10**9, 0.1, 10**8), (5000, 0.1, 1000), (300, 0.5, 300)):
+        shorter = shortened(spec_of(max_steps=most, t_end=20.0), share)
+        assert (shorter.max_steps, shorter.t_end) == (allowed, 20.0 * share)

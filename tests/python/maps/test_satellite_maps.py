@@ -54,6 +54,19 @@ def test_built_in_maps_agree_with_their_theory(name: str, least: float, lines: l
         assert curve.label.startswith(words)
 
 
+def test_the_line_where_the_long_axis_becomes_the_middle_one_is_at_equal_moments() -> None:
+    long = np.linspace(2.5, 3.9, 15)
+    theory: Any = predict(
+        spec_of(
+            scene=rigid.FreeBody(rigid.Body((2.0, 3.4, 4.0)), dissipation=rigid.EnergySink(0.1)),
+            axes={"I1": long},
+            start=rigid.Start(spin=1.0, axis=1, noise=rigid.normal(1e-3)),
+            stable=rigid.no_flip(1),
+        )
+    )
+    np.testing.assert_allclose(theory.curves[0].field, 3.4 / long - 1.0, rtol=0.0, atol=1e-15)
+
+
 def test_roll_and_yaw_are_stable_where_the_inequality_of_debra_and_delp_says_so() -> None:
     result = coarse("gravity-gradient", 12, 1)
     theory: Any = result.theory()
@@ -64,6 +77,16 @@ def test_roll_and_yaw_are_stable_where_the_inequality_of_debra_and_delp_says_so(
     known = np.isfinite(swings)
     np.testing.assert_array_equal(swings[known] > 0.0, inside[known])
     assert 10 < inside[known].sum() < known.sum() - 10
+
+
+def test_the_summary_says_that_noise_of_the_attitude_is_in_the_way_of_theory() -> None:
+    spec = read_spec("gravity-gradient").spec
+    noisy = dataclasses.replace(spec.start, attitude_noise=rigid.normal(1e-3))
+    axes = {axis.name: axis.values[::12] for axis in spec.axes}
+    for start, words in ((spec.start, "DeBra and Delp"), (noisy, "one is without attitude_noise")):
+        result = run_map(spec.replace(start=start, axes=axes, samples=1, t_end=1.0))
+        (told,) = (line for line in result.summary().splitlines() if line.startswith("theory"))
+        assert words in told
 
 
 def passage(
