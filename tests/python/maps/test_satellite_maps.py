@@ -81,6 +81,7 @@ def test_roll_and_yaw_are_stable_where_the_inequality_of_debra_and_delp_says_so(
 
 def test_the_summary_says_that_noise_of_the_attitude_is_in_the_way_of_theory() -> None:
     spec = read_spec("gravity-gradient").spec
+    assert isinstance(spec.start, rigid.Start)
     noisy = dataclasses.replace(spec.start, attitude_noise=rigid.normal(1e-3))
     axes = {axis.name: axis.values[::12] for axis in spec.axes}
     for start, words in ((spec.start, "DeBra and Delp"), (noisy, "one is without attitude_noise")):

@@ -168,6 +168,9 @@ def test_equal_coefficients_stay_equal_in_any_frame() -> None:
     assert damped == rigid.FreeBody(BODY, damping=0.3)
     sink = rigid.EnergySink(0.1)
     assert rigid.FreeBody(BODY, dissipation=sink, frame=AXES).dissipation == sink
+    for name, value in (("drag", (0.1, 0.2, 0.3)), ("dissipation", rigid.EnergySink((1, 2, 3)))):
+        with pytest.raises(ValueError, match=f"^{name} = .* with a frame give one number"):
+            rigid.FreeBody(BODY, **{name: value}, frame=AXES)  # type: ignore[arg-type]
 
 
 def test_a_run_in_a_frame_is_kept(tmp_path: Path) -> None:

@@ -99,6 +99,18 @@ def test_a_pair_of_crossings_inside_a_step_is_seen(method: str) -> None:
         assert not found.grazing.any()
 
 
+def test_an_event_of_a_vector_is_that_of_the_quantity() -> None:
+    found = [
+        rigid.simulate(BOX, [0.3, 1.0, 0.2], t=[60.0], events=event).events[0]
+        for event in (
+            rigid.crosses("omega3", 0.1),
+            rigid.crosses(omega=(0.0, 0.0, 1.0), value=0.1),
+        )
+    ]
+    assert len(found[0].t) > 3
+    np.testing.assert_array_equal(found[0].t, found[1].t)
+
+
 @pytest.mark.parametrize("method", ["exact", "taylor20"])
 def test_what_touches_the_value_is_flagged(method: str) -> None:
     body = Euler(0.7, 0.8)
