@@ -25,6 +25,11 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "-1 -> +1",
     ): "the array has two axes",
     (
+        "store/call.py",
+        'given.setdefault("t_end", 1.0)  # the longest one is taken from the values',
+        "1.0 -> 2.0",
+    ): "the horizon of the map is the longest one of its axis",
+    (
         "maps/page.py",
         "done = max(int(data.samples.sum()), 1)",
         "1 -> 2",

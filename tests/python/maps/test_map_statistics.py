@@ -318,3 +318,10 @@ def test_a_share_to_check_is_not_rounded_up_by_its_binary_digits() -> None:
         stable=rigid.no_flip(), method="rk4", rng=1, progress=False,
     )  # fmt: skip
     assert result.checked[0] == 7
+
+
+def test_a_map_is_shown_with_the_share_of_each_class() -> None:
+    result = small_map()
+    done = int(result.samples.sum())
+    for name in ("stable", "unstable", "undecided", "failed"):
+        assert f"{100.0 * int(getattr(result, name).sum()) / done:.1f}% {name}" in repr(result)
