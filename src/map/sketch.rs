@@ -12,6 +12,9 @@ use crate::memory;
 /// Bits of the mantissa below the bin.
 const REST: u32 = 46;
 
+/// The most values of a sketch: as many squares of offsets, below 2^92 each, have a sum that fits.
+const MOST_VALUES: u128 = 1 << 36;
+
 /// What a sketch is called if it does not fit into memory.
 const SKETCH: &str = "measures of the pixels";
 
@@ -59,7 +62,6 @@ impl Bin {
     fn merge(&mut self, other: &Bin) {
         self.count = self.count.saturating_add(other.count);
         self.ends = [self.ends[0].min(other.ends[0]), self.ends[1].max(other.ends[1])];
-        // Below 2^92 each: 2^36 values fit, more than a map computes in a lifetime.
         self.sum = self.sum.saturating_add(other.sum);
         self.squares = self.squares.saturating_add(other.squares);
         self.error = self.error.max(other.error);
@@ -86,6 +88,8 @@ impl Bin {
             && count > 0
             && (0..1 << REST).contains(&least)
             && (least..1 << REST).contains(&largest)
+            && wide(s0, s1) <= u128::from(largest as u64) * count as u128
+            && wide(q0, q1) <= u128::from(largest as u64).pow(2).saturating_mul(count as u128)
             && (Bin::UNKNOWN..f64::INFINITY.to_bits() as i64).contains(&error);
         if !is_bin {
             return refuse("a bin", format_args!("{numbers:?}"), "must be numbers of finite values");
@@ -114,12 +118,17 @@ impl Sketch {
         if value.number.is_finite() { self.put(&Bin::of(value)) } else { Ok(()) }
     }
 
-    /// Makes room for more bins.
+    /// Makes room for more bins with these counts.
     ///
     /// # Errors
-    /// If the memory cannot be had.
-    pub fn reserve(&mut self, bins: usize) -> Result<(), Error> {
-        memory::room(SKETCH, &mut self.0, bins)
+    /// If the memory cannot be had, or the values are too many.
+    pub fn reserve(&mut self, counts: impl ExactSizeIterator<Item = u64>) -> Result<(), Error> {
+        memory::room(SKETCH, &mut self.0, counts.len())?;
+        let values: u128 = counts.chain(self.0.iter().map(|bin| bin.count)).map(u128::from).sum();
+        if values > MOST_VALUES {
+            return refuse("values of a pixel", values, "must be at most 2^36 with those that are known");
+        }
+        Ok(())
     }
 
     /// Adds the values of a bin.

@@ -163,6 +163,9 @@ trait Reduction<T> {
     fn merged(one: T, other: T) -> T;
 }
 
+/// The largest sum: arrays of Python have signed numbers.
+const FULL: u64 = i64::MAX as u64;
+
 struct Sum;
 struct Max;
 struct Min;
@@ -341,6 +344,18 @@ columns! {
     exact: u64 Sum, "1", "bodies classified in closed form", true, |s| u64::from(s.first.exact);
     /// Processor time, shared out over a block after its end.
     nanoseconds: f64 Sum, "ns", "processor time", false, |_| 0.0;
+}
+
+impl Statistics {
+    /// The name of a sum that no longer fits, if there is one.
+    pub fn full(mut self) -> Option<&'static str> {
+        let is_full = |column: &&Column| match column.field {
+            Field::Count(of) => *of(&mut self) >= FULL,
+            Field::Fixed(of) => of(&mut self).unsigned_abs() >= FULL,
+            Field::Number(_) => false,
+        };
+        Self::COLUMNS.iter().find(is_full).map(|column| column.name)
+    }
 }
 
 #[cfg(test)]

@@ -21,6 +21,7 @@ use crate::simd::Isa;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::mem;
 use std::sync::Mutex;
 
 /// What the columns of a map are called if they do not fit into memory.
@@ -215,7 +216,7 @@ impl MapStatistics {
             Some(bins) => bins.extract()?,
             None => Vec::new(),
         };
-        let columns = read_columns(part)?;
+        let mut columns = read_columns(part)?;
         let mut all = self.all.lock().expect("no thread panics while it holds the statistics");
         let (pixels, sketches) = &mut *all;
         same_length("pixels", columns.len(), places.as_array().len())?;
@@ -239,10 +240,21 @@ impl MapStatistics {
         }
         of_bins.sort_unstable_by_key(|&(place, _)| place);
         for bins in of_bins.chunk_by(|(one, _), (next, _)| one == next) {
-            sketches[bins[0].0].reserve(bins.len())?;
+            sketches[bins[0].0].reserve(bins.iter().map(|(_, bin)| bin.count))?;
+        }
+        for row in 0..columns.len() {
+            let mut merged = pixels[of_rows[row]];
+            merged.merge(&columns[row]);
+            // What was known, if this row or a later one is refused.
+            columns[row] = mem::replace(&mut pixels[of_rows[row]], merged);
+            if let Some(name) = merged.full() {
+                (0..=row).rev().for_each(|row| pixels[of_rows[row]] = columns[row]);
+                let (value, rule) =
+                    (format_args!("{name} of pixel {}", of_rows[row]), "must have sums below 2^63");
+                return Err(Error::value("part", value, rule).into());
+            }
         }
         of_bins.iter().try_for_each(|(place, bin)| sketches[*place].put(bin))?;
-        of_rows.iter().zip(&columns).for_each(|(&pixel, other)| pixels[pixel].merge(other));
         Ok(())
     }
 

@@ -154,7 +154,25 @@ def changed(place: int, value: int) -> dict[str, Any]:
         (changed(2, -2), r"a bin = \[65472, -2, .*: must be numbers of finite values"),
         (changed(3, 11), r"a bin = \[65472, 2, 11, 10, .*: must be numbers of finite values"),
         (changed(4, 1 << 46), r"a bin = .*: must be numbers of finite values"),
+        (changed(5, 21), r"a bin = .*: must be numbers of finite values"),
+        (changed(8, 1), r"a bin = .*: must be numbers of finite values"),
         (changed(9, 0x7FF << 52), r"a bin = .*: must be numbers of finite values"),
+        (changed(2, 1 << 36), r"values of a pixel = 68719476742: must be at most 2\^36"),
+        (
+            {**changed(1, 65473), "stable": np.array([2**63 - 8])},
+            "part = stable of pixel 0: must have sums below 2\\^63",
+        ),
+        (
+            {**changed(1, 65473), "growth": np.array([-(2**63)])},
+            "part = growth of pixel 0: must have sums below 2\\^63",
+        ),
+        (
+            {
+                name: values if name == "measures" else np.repeat(values, 2)
+                for name, values in (changed(1, 65473) | {"steps": np.array([1 << 62])}).items()
+            },
+            "part = steps of pixel 0: must have sums below 2\\^63",
+        ),
     ],
 )
 def test_a_part_that_is_refused_changes_no_statistics(part: dict[str, Any], words: str) -> None:
