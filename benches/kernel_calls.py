@@ -35,7 +35,8 @@ OF_KERNELS = "rigid::kernel::registry::kernels_of::"
 # Parts that several kernels share are functions of their own, and are read as kernels are.
 SHARED = re.compile(
     r"as rigid::real::Real>::outlined::outlined::"
-    r"<rigid::(observe::((bounds::)?Look|MotionInside)|method::(taylor::Expansion|midpoint::TorqueInTheMiddle))<"
+    r"<rigid::(observe::((bounds::)?Look|MotionInside)|method::(taylor::Expansion|midpoint::TorqueInTheMiddle)"
+    r"|forces::trajectory::Place)<"
 )
 # What a kernel may call, and why.
 ALLOWED = {

@@ -3,8 +3,8 @@
 use super::body_rows::{BodyRows, copied};
 use super::table::{self, Knot, Samples};
 use super::{
-    AtStart, Damping, FEWEST_STEPS, Further, MOST_STATES, Modes, Rotor, Table, TorqueCall, TorqueCalls,
-    TorqueFunction, Trajectory, part,
+    AtStart, Bounded, Damping, FEWEST_STEPS, Further, MOST_STATES, Modes, Rotor, Table, TorqueCall,
+    TorqueCalls, TorqueFunction, Trajectory, part,
 };
 use crate::error::{Error, refuse};
 use crate::memory;
@@ -460,6 +460,17 @@ impl<'a> BodyForces<'a> {
     }
 
     /// The states of the function at the start.
+    /// What the function is told of the place at a time; zero without an orbit.
+    pub fn place(&self, time: f64) -> [f64; 3] {
+        let trajectory = self.table.trajectory.polynomial(time, false, self.table.doubt);
+        if trajectory.acts() {
+            return trajectory.place(0.0);
+        }
+        let mut variables = [0.0; 2];
+        self.further.orbit.start(time, &mut variables);
+        self.further.orbit.place(variables)
+    }
+
     pub fn states(&self) -> [f64; MOST_STATES] {
         self.function.map_or([0.0; MOST_STATES], |function| function.start())
     }

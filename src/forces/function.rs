@@ -17,7 +17,7 @@ pub type Function = unsafe extern "C" fn(f64, *const f64, *const f64, *const f64
 pub type FunctionOfEight = unsafe extern "C" fn(*const f64, *const f64, *const f64, *const f64, *mut f64);
 
 /// A `Function` that is told more: after the torque the states of the body, their rates of change, which it writes, and
-/// the place of the body on its orbit in space, over the semi-major axis.
+/// the place of the body on its orbit in space, over the semi-major axis or, of a table, over `gm^(1/3)`.
 pub type LongFunction =
     unsafe extern "C" fn(f64, *const f64, *const f64, *const f64, *mut f64, *const f64, *mut f64, *const f64);
 

@@ -3,9 +3,10 @@
 //! a cubic polynomial of the time between two knots: no kernel needs a root, nor a variable of the trajectory.
 
 use super::orbit::{add_products, to_body};
-use crate::kinematics::plus;
-use crate::real::Real;
+use crate::kinematics::{dot, plus};
+use crate::real::{Outlined, Real};
 use crate::series::{Coefficients, VectorSeries};
+use crate::special::{exp, ln};
 
 /// Coefficients of c in space, of the powers of the time since the begin of an interval; zeros without a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +39,24 @@ fn add_gradient<R: Real>([i1, i2, i3]: &[R; 3], products: &[R; 3], torque: &mut 
     torque[2] = (*i2 - *i1).fma(products[2], torque[2]);
 }
 
+/// The place where c in space is this, in a function of its own.
+struct Place<R>([R; 3]);
+
+impl<R: Real> Outlined for Place<R> {
+    type Out = [R; 3];
+    #[inline(always)]
+    fn run(self) -> [R; 3] {
+        let (Place(mut place), zero) = (self, R::splat(0.0));
+        let square = dot(&place, &place);
+        let distance = exp(ln(R::splat(3.0) / square) * R::splat(1.0 / 3.0));
+        let scale = R::select(zero.lt(square), distance / square.sqrt(), zero);
+        for part in &mut place {
+            *part = *part * scale;
+        }
+        place
+    }
+}
+
 impl<R: Real> Trajectory<R> {
     /// Whether there is a trajectory in some lane.
     #[inline(always)]
@@ -64,20 +83,26 @@ impl<R: Real> Trajectory<R> {
         shifted
     }
 
-    /// c in the body, at a state and a time.
+    /// c in space at a time.
     #[inline(always)]
-    fn root<const D: usize>(&self, y: &[R; D], time: R) -> [R; 3] {
+    fn root(&self, time: R) -> [R; 3] {
         let [mut sum, .., last] = self.0;
         for i in 0..3 {
             sum[i] = time.fma(time.fma(time.fma(last[i], self.0[2][i]), self.0[1][i]), sum[i]);
         }
-        to_body(&sum, y)
+        sum
+    }
+
+    /// The place in space at a time, over the length `gm^(1/3)`; zero without a trajectory.
+    #[inline(always)]
+    pub fn place(&self, time: R) -> [R; 3] {
+        R::outlined(Place(self.root(time)))
     }
 
     /// Adds the torque at a state and a time to `torque`.
     #[inline(always)]
     pub fn add_torque<const D: usize>(&self, moments: &[R; 3], y: &[R; D], time: R, torque: &mut [R; 3]) {
-        let root = self.root(y, time);
+        let root = to_body(&self.root(time), y);
         let mut products = [R::splat(0.0); 3];
         add_products(&root, &root, &mut products);
         add_gradient(moments, &products, torque);

@@ -192,7 +192,12 @@ impl<R: Real> Applied<R> {
                 states[k] = y[L::STATES_AT + k];
             }
         }
-        let place = self.forces.further.orbit.place([y[L::OWN_AT], y[L::OWN_AT + 1]]);
+        let trajectory = &self.forces.trajectory;
+        let place = if trajectory.acts() {
+            trajectory.place(time)
+        } else {
+            self.forces.further.orbit.place([y[L::OWN_AT], y[L::OWN_AT + 1]])
+        };
         Some(functions.returned(time, &omega, &attitude, &states, &place))
     }
 

@@ -16,9 +16,14 @@ from .._checks.arrays import Floats
 from .._core import MOST_STATES
 from .batch import ByValue, Index, Shape, axes_of, batch_shape, frozen, taken
 from .compiling import UNKNOWN, Callback, of_python
-from .sampled import require_place
 
 NO_STATES = "states: the scene has none; give Torque.call(..., states=k)"
+
+
+def require_orbit(name: str, orbit: object) -> None:
+    """Raise ValueError if there is no orbit whose place a function can be told."""
+    if orbit is None:
+        raise ValueError(f"orbit_position: {name} takes it, but the scene has no orbit")
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -104,9 +109,9 @@ class TorqueFunction(ByValue):
         return (f"Python calls the torque, some 5 µs for each body and stage: {why}",)
 
     def check_place(self, orbit: object) -> None:
-        """Raise ValueError if it asks for a place that this orbit, or None, does not tell."""
+        """Raise ValueError if it asks for a place, but there is no orbit."""
         if self.callback.asks_place:
-            require_place("the function", orbit)
+            require_orbit("the function", orbit)
 
     @property
     def shape(self) -> Shape:

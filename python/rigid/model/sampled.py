@@ -167,17 +167,6 @@ def reached(name: str, knots: Sequence[float] | Floats, t: ArrayLike) -> Floats:
     return times
 
 
-def require_place(name: str, orbit: object) -> None:
-    """Raise ValueError if a function asks for a place that the orbit of its scene does not tell."""
-    if orbit is None:
-        raise ValueError(f"orbit_position: {name} takes it, but the scene has no orbit")
-    if isinstance(orbit, Sampled):
-        raise ValueError(
-            f"orbit_position: {name} takes it, but functions are not told the positions of "
-            "rigid.Orbit.table; give rigid.Orbit, or interpolate the positions in the function"
-        )
-
-
 def linear(name: str, knots: Sequence[float] | Floats, values: ArrayLike, t: ArrayLike) -> Floats:
     """A piecewise linear table at times that it reaches; after a jump, but for the last time."""
     times, array = reached(name, knots, t), np.array(values)

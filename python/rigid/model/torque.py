@@ -169,8 +169,8 @@ class Torque(ByValue):
 
         A function whose last argument is named ``orbit_position`` is told the place of the body on
         its ``orbit``, from the planet, along the axes of space, over the semi-major axis of an
-        ellipse or a hyperbola (3): times ``(gm / rate**2)**(1/3)`` it is a length. The positions of
-        :meth:`Orbit.table` are not told.
+        ellipse or a hyperbola (3): times ``(gm / rate**2)**(1/3)`` it is a length. Along
+        :meth:`Orbit.table` the rate counts as 1 rad/s: times ``gm**(1/3)`` the place is a length.
 
         A function at an address is called for each body, and has the signature ::
 

@@ -15,8 +15,9 @@ from .._core import LEAST_STATE, MOST_STATES
 from ..model.compiling import Callback, Taken, of_state, taken_by
 from ..model.events import Event
 from ..model.frame import turned
+from ..model.function import require_orbit
 from ..model.orbit import Orbit
-from ..model.sampled import RotorTable, Sampled, require_place
+from ..model.sampled import RotorTable, Sampled
 from ..model.scene import Scene
 from .arrays import in_rows, lengths
 from .bodies import Bodies
@@ -315,8 +316,9 @@ class Search:
             most = np.arange(counts[some].max())
             places = first[some, np.newaxis] + np.minimum(most, counts[some, np.newaxis] - 1)
             own = self._select(some)
+            own = replace(own, bodies=own.bodies.doubted())
             states = Request(
-                bodies=own.bodies.doubted(),
+                bodies=own.bodies,
                 times=found["t"][places],
                 method=self._other_method,
                 record=record,
@@ -403,7 +405,8 @@ class Search:
         first, last = one.taken.others
         attitude = states["attitude"][mine]
         attitude = np.where(attitude[:, :1] < 0.0, -attitude, attitude)
-        places = Orbit.of_numbers(self.orbit).position(t) if one.taken.asks_place else t
+        forces = self.bodies.forces
+        places = t if forces is None or not one.taken.asks_place else forces.places(t)
         own = states["states"] if one.taken.states else t
         others = [part[mine] for part in (own, t, places)[first:last:2]]
         told = zip(t[mine], states["omega"][mine], attitude, *others, strict=True)
@@ -488,7 +491,7 @@ def _called(event: Event, scene: Scene, frame: Floats | None) -> Called | None:
     if takes_states and not scene.states:
         raise ValueError(f"states: {event.name} takes them; give Torque.call(..., states=k)")
     if asks_place:
-        require_place(event.name, scene.orbit)
+        require_orbit(event.name, scene.orbit)
     return Called(function, *of_state(function, scene.states))
 
 

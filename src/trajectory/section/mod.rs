@@ -17,7 +17,7 @@ use crate::body::Body;
 use crate::call::Call;
 use crate::error::{Error, refuse};
 use crate::exact::{CanonicalForm, Evaluator, Question, StartRows, StateRows};
-use crate::forces::{Bounded, ForceSet, MOST_STATES, TorqueCall};
+use crate::forces::{ForceSet, MOST_STATES, TorqueCall};
 use crate::kernel::{Entry, Job, Kernel, KernelAssignment, Needs, State, System, drive, load, read, unload};
 use crate::memory;
 use crate::method::{Method, Step};
@@ -495,13 +495,11 @@ impl<'a> SectionJob<'a> {
     fn zeros_of_functions(&mut self, lane: usize, task: Task, error: f64, own: &mut Crossings) -> bool {
         let (mut called, mut zeros) = (std::mem::take(&mut self.called), std::mem::take(&mut self.found));
         let step = self.lanes.group.step.0[lane];
-        let orbit = self.request.forces_of(self.block.start + task.body).further.orbit;
+        let forces = self.request.forces_of(self.block.start + task.body);
         let told = |share: f64| {
             let (time, State { omega, states, .. }, attitude) = self.inside(lane, task, share);
-            let mut variables = [0.0; 2];
-            orbit.start(time, &mut variables);
-            let (states, place) = (states.unwrap_or([0.0; MOST_STATES]), orbit.place(variables));
-            Told { time, omega, attitude, states, place }
+            let states = states.unwrap_or([0.0; MOST_STATES]);
+            Told { time, omega, attitude, states, place: forces.place(time) }
         };
         let mut are_finite = true;
         for (kind, function) in &mut called {

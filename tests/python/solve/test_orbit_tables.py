@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike
+from scipy.integrate import quad
 
 import rigid
 from golden_orbits import GOLDEN, angle_between, case_of, scene_of, start_of
@@ -248,6 +249,75 @@ def test_events_and_steps_know_the_table() -> None:
     np.testing.assert_allclose(motion.omega, run.omega[-1], rtol=0.0, atol=1e-8)
 
 
+def away(t: float, omega: Any, attitude: Any, orbit_position: Any) -> float:
+    """The space component of the place along (1, 2, 2)/3."""
+    return float(orbit_position[0] + 2.0 * orbit_position[1] + 2.0 * orbit_position[2]) / 3.0
+
+
+def gathers(
+    t: float,
+    omega: Any,
+    attitude: Any,
+    data: Any,
+    torque: Any,
+    states: Any,
+    rates: Any,
+    orbit_position: Any,
+) -> None:
+    """The integral of the place over the time."""
+    for k in range(3):
+        torque[k], rates[k] = 0.0, orbit_position[k]
+
+
+def test_a_function_is_told_the_positions_of_a_table_at_its_times() -> None:
+    gm = 8.0
+    t = np.linspace(0.0, 8.0, 65)
+    places = HYPERBOLA.position(t)
+    scene = on(rigid.Orbit.table(t, places, gm=gm))
+    along = places @ np.array([1.0, 2.0, 2.0]) / 3.0 / 2.0  # over the cube root of gm
+    for k in (5, 20, 33, 64):
+        events = [rigid.crosses(away, along[k])]
+        run = rigid.simulate(scene, OMEGA, ATTITUDE, t=[8.0], events=events)
+        # The place is a smooth function whose slope is about one: rounding of a few units.
+        near = run.events[0].t[np.argmin(np.abs(run.events[0].t - t[k]))]
+        assert abs(near - t[k]) < 1e-13
+
+
+@pytest.mark.parametrize("steps", [{"accuracy": 1e-11}, {"method": "rk4", "step": 2e-3}], ids=str)
+def test_a_function_is_told_the_spline_of_a_table(steps: Any) -> None:
+    table = table_of(ELLIPSE, (0.0, 8.0), 33)
+    scene = on(table, torque=rigid.Torque.call(gathers, states=3))
+    run = rigid.simulate(scene, OMEGA, ATTITUDE, t=[8.0], **steps)
+    assert run.states is not None
+    for k in range(3):
+        # The integrand is smooth between knots: Gauss's rule of each interval errs by rounding.
+        pieces = [
+            quad(lambda s, k=k: table.position(s)[k], a, b, epsabs=1e-14)[0]
+            for a, b in zip(table.t[:-1], table.t[1:], strict=True)
+        ]
+        assert abs(run.states[-1, k] - sum(pieces)) < 1e-10
+
+
+@pytest.mark.parametrize("count", [33, 65, 257])
+@pytest.mark.parametrize("orbit", [HYPERBOLA, ELLIPSE])
+def test_what_functions_make_of_a_table_errs_as_stated(orbit: rigid.Orbit, count: int) -> None:
+    """Their states, and the events of a function of the place, are those of the exact orbit."""
+    torque = rigid.Torque.call(gathers, states=3)
+    events = [rigid.crosses(away, float(away(0.0, None, None, orbit.position(5.0))))]
+    found, exact = (
+        rigid.simulate(on(one, torque=torque), OMEGA, ATTITUDE, t=[4.0, 8.0], events=events)
+        for one in (table_of(orbit, (0.0, 8.0), count), orbit)
+    )
+    assert found.states is not None
+    assert exact.states is not None
+    off = np.abs(found.states - exact.states).max() / np.abs(exact.states).max()
+    assert exact.error < off <= found.error + exact.error
+    (event,), (truth,) = found.events, exact.events
+    assert np.abs(truth.t - 5.0).min() < 1e-12
+    assert len(event.t) == len(truth.t)
+    assert (np.abs(event.t - truth.t) <= event.error + truth.error).all()
+
+
 @pytest.mark.parametrize("count", [257, 1025])
 @pytest.mark.parametrize("name", FLYBYS)
 def test_events_of_golden_flybys_by_a_table_err_as_stated(name: str, count: int) -> None:
@@ -343,24 +413,8 @@ def made(t: ArrayLike, positions: ArrayLike = CIRCLE, gm: float = 1.0) -> rigid.
     return rigid.Orbit.table(t, positions, gm)
 
 
-def falls(t: float, omega: Any, attitude: Any, data: Any, torque: Any, orbit_position: Any) -> None:
-    torque[0] = orbit_position[0]
-
-
-def distance(t: float, omega: Any, attitude: Any, orbit_position: Any) -> float:
-    return float(orbit_position[0])
-
-
 test_what_a_table_cannot = refuses(
     [
-        (
-            lambda: rigid.simulate(on(TABLE, torque=rigid.Torque.call(falls)), OMEGA, t=[1.0]),
-            "orbit_position: the function takes it, but functions are not told the positions of",
-        ),
-        (
-            lambda: rigid.simulate(on(TABLE), OMEGA, t=[1.0], until=rigid.crosses(distance, 0.5)),
-            r"orbit_position: distance\(\) takes it, but functions are not told the positions of",
-        ),
         (
             lambda: made(np.arange(8.0), CIRCLE[:8]),
             "orbit: expected shape .9 or more, 3., got .8, 3.",
