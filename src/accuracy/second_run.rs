@@ -61,18 +61,19 @@ impl Steps<'_> {
 /// The states of the same bodies at the same times, with shorter steps than those taken.
 ///
 /// Nearly all of their distance from the states of the run is the error of the run. The start is rounded in one of `ROUNDINGS`
-/// ways.
+/// ways, or as it is.
 pub fn second_run(
     batch: &Batch,
     solver: Solver,
     steps: Steps,
     taken: &[u64],
-    rounding: usize,
+    rounding: Option<usize>,
 ) -> Result<States, Error> {
-    let (again, solver) = (batch.rounded_otherwise(rounding)?, solver.with_more_steps());
+    let rounded = rounding.map(|rounding| batch.rounded_otherwise(rounding)).transpose()?;
+    let (again, solver) = (rounded.as_ref().unwrap_or(batch), solver.with_more_steps());
     let method = solver.method;
     if solver.may_stop {
-        return past_stops(&again, solver, steps, taken);
+        return past_stops(again, solver, steps, taken);
     }
     if let Some(tolerance) = solver.tolerance {
         let (mut tighter, mut refinement) = (TIGHTER, 1.0);
@@ -98,7 +99,7 @@ pub fn second_run(
     let ratio = step_ratio(batch, method, steps.halvings);
     let own = |longest: &[f64]| memory::collected("steps", longest.len(), longest.iter().copied());
     let (mut solver, mut longest) = (solver, steps.longest.map(own).transpose()?);
-    if method.is_series() && !method.any.is_compensated() {
+    if is_checked_by_compensated(solver) {
         // Rounding that is alike in each step shows against none only.
         longest = Some(longest.map_or_else(|| again.longest_steps(method), Ok)?);
         solver.method = COMPENSATED;
@@ -138,6 +139,12 @@ pub fn step_ratio(batch: &Batch, method: &Method, halvings: f64) -> f64 {
         ratio = 6.0;
     }
     ratio
+}
+
+/// Whether a series in equal steps, which does not carry its rounding errors on, is compared with one that does.
+pub fn is_checked_by_compensated(solver: Solver) -> bool {
+    let is_equal = solver.tolerance.is_none() && !solver.may_stop;
+    is_equal && solver.method.is_series() && !solver.method.any.is_compensated()
 }
 
 /// Whether the second run is by the same method, and its error falls with the order: not at a stop by drag, nor under strong
