@@ -1,11 +1,10 @@
 //! Integrates samples side by side: a lane whose sample is finished gets the next sample.
 
 use super::Criterion;
-use super::observation::RUNS;
+use super::observation::{RUNS, Run};
 use super::regular::{self, Checkpoints};
 use super::{Class, Observation, OnOrbit, Outcome, STEP_BLOCK};
 use crate::body::Body;
-use crate::call::Call;
 use crate::error::Error;
 use crate::forces::{BodyForces, ForcesInterval, Modes, OrbitPlace};
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, Kernel, drive, load, reset_time};
@@ -44,14 +43,6 @@ impl Leg {
     fn step(&self) -> f64 {
         (self.to - self.from) / self.steps as f64
     }
-}
-
-/// How samples are integrated.
-#[derive(Clone, Copy)]
-pub(super) struct Run<'a> {
-    /// By the second method.
-    pub(super) cross_check: bool,
-    pub(super) call: Call<'a>,
 }
 
 impl Observation<'_> {

@@ -1,6 +1,6 @@
 //! Values of a sample that a map collects: what is measured until the horizon, whatever the class.
 
-use super::integrate::Run;
+use super::observation::Run;
 use super::statistics::Sample;
 use super::{Class, Criterion, Map, Observation, Outcome};
 use crate::call::Call;

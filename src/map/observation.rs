@@ -2,7 +2,6 @@
 
 use super::check::Runs;
 use super::classify::ClosedFormClassifier;
-use super::integrate::Run;
 use super::statistics::Sample;
 use super::{Class, Criterion, Map, Outcome, regular};
 use crate::body::Body;
@@ -27,6 +26,23 @@ pub(super) struct OnOrbit {
     pub(super) rate: f64,
     /// The pace by which a step of the time becomes one of the anomaly; see [`crate::forces::Orbit::pace`].
     pub(super) pace: f64,
+}
+
+impl OnOrbit {
+    /// A body on an orbit in a range of times.
+    pub(super) fn of(body: &Body, orbit: &Orbit<f64>, range: [f64; 2]) -> OnOrbit {
+        let place = OrbitPlace::of(*orbit, orbit.anomaly_at(range[0]));
+        let farthest = orbit.farthest(range);
+        OnOrbit { place, rate: body.pace_rate(&place, farthest), pace: orbit.pace(farthest) }
+    }
+}
+
+/// How samples are integrated.
+#[derive(Clone, Copy)]
+pub(super) struct Run<'a> {
+    /// By the second method.
+    pub(super) cross_check: bool,
+    pub(super) call: Call<'a>,
 }
 
 /// A map with the one of its conditions that is observed.

@@ -1,6 +1,7 @@
 //! Explicit Runge-Kutta methods: one engine, any tableau.
 
-use super::tableau::{ALL_STAGES, MAX_STAGES, Tableau, coefficient, first, time, times_of, weight};
+use super::tableau::{ALL_STAGES, Dop853Tableau, MAX_STAGES, Rk4Tableau, Tableau};
+use super::tableau::{check, coefficient, first, time, times_of, weight};
 use super::tangent::{further_tangent_rate, tangent_rate};
 use super::{Coefficients, Engine, EngineName, Facts, Limits, Method, Numbers, Proposal, Step, Variables};
 use super::{acceleration, acceleration_by, cubic_inside, moved, put_turned, turning_of_rates, two_sum};
@@ -32,6 +33,7 @@ pub const RK4: Method = Method::direct(
     Step::plain(EngineName::Rk4),
     2.78,
 );
+const _: () = check::<Rk4Tableau>(RK4.facts);
 
 /// Dormand-Prince of order 8.
 pub const DOP853: Method = Method::direct(
@@ -54,6 +56,7 @@ pub const DOP853: Method = Method::direct(
     Step { engine: EngineName::Dop853, numbers: &INSIDE_DOP853 },
     6.39,
 );
+const _: () = check::<Dop853Tableau>(DOP853.facts);
 
 /// The motion inside a step of [`DOP853`] is a polynomial of this order.
 const INSIDE_DOP853: Numbers = Numbers { order: 7, ..Numbers::NONE };

@@ -330,6 +330,3 @@ pub fn planned_steps<'py>(
 pub fn status_names() -> Vec<&'static str> {
     Status::ALL.into_iter().map(Status::name).collect()
 }
-
-/// Numbers of which a copy takes less time than an array that owns those of the core.
-pub(super) const FEW: usize = 64;

@@ -1,6 +1,5 @@
 //! The states of a call as a mapping of Python, whose arrays are made when they are first read.
 
-use super::simulate::FEW;
 use crate::memory;
 use crate::trajectory::Column;
 use numpy::ndarray::{Dim, Dimension, IntoDimension};
@@ -10,6 +9,9 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyIterator, PyString};
 use std::sync::Mutex;
+
+/// Numbers of which a copy takes less time than an array that owns those of the core.
+const FEW: usize = 64;
 
 /// Columns by their names: few of those of a small call are read, and arrays take as long as its states.
 #[pyclass(frozen, mapping, name = "States", module = "rigid._core")]
