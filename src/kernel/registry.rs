@@ -183,11 +183,15 @@ macro_rules! entry_points {
     };
 }
 
-/// Whether a layout is compiled for AVX-512 too, where the engine is: changes of parameters are less often asked for, and
-/// forced bodies gain by Runge-Kutta steps and under a function only (benches/README.md).
-const fn gains_by_avx512<L: Layout>(engine: EngineName) -> bool {
-    let is_runge_kutta = matches!(engine, EngineName::Rk4 | EngineName::Dop853);
-    !L::CHANGED && (!L::BALANCE || L::FUNCTION || is_runge_kutta && !L::FURTHER)
+/// Whether a layout is compiled for AVX-512 too: without forces and under a function. Changes of parameters are less often asked
+/// for.
+const fn unforced<L: Layout>() -> bool {
+    !L::CHANGED && (!L::BALANCE || L::FUNCTION)
+}
+
+/// The same of an engine by which forced bodies gain too (benches/README.md).
+const fn forced<L: Layout>() -> bool {
+    unforced::<L>() || !L::CHANGED && !L::FURTHER
 }
 
 /// The kernels: each engine of the list of `method` with each system that the engine integrates. The first system with
@@ -234,7 +238,7 @@ macro_rules! kernels {
     };
     // The compiler works by modules. Each engine has its own module, so a change of one engine compiles only the
     // kernels of this engine.
-    (@modules { $($(#[$doc:meta])* $engine:ident: $code:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
+    (@modules { $($(#[$doc:meta])* $engine:ident: $code:ty, $avx2:ty $(, $avx512:ty where $gains:ident)?;)* }) => {
         mod kernels_of {$(
             #[allow(non_snake_case)]
             pub mod $engine {
@@ -253,7 +257,7 @@ macro_rules! kernels {
         entry_points!(avx512 [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]]);
     };
     (@codes $which:ident, $model:ident, $layout:ident,
-        { $($(#[$doc:meta])* $engine:ident: $code:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
+        { $($(#[$doc:meta])* $engine:ident: $code:ty, $avx2:ty $(, $avx512:ty where $gains:ident)?;)* }) => {
         match $which {
             $(EngineName::$engine => const {
                 type R = f64;
@@ -268,7 +272,7 @@ macro_rules! kernels {
                         type R = <$layout as Layout>::Lanes<$avx512>;
                         type M = $model<R>;
                         let alone = kernels_of::$engine::avx512::code_alone::<V4, $model<V4>, $layout, D>();
-                        if gains_by_avx512::<$layout>(EngineName::$engine) {
+                        if $gains::<$layout>() {
                             kernels_of::$engine::avx512::Packs::<R, $code, M, $layout, D, { LANES / R::LANES }>::code::<Alone, AloneModel>(alone)
                         } else {
                             None

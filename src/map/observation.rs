@@ -7,7 +7,7 @@ use super::{Class, Criterion, Map, Outcome, regular};
 use crate::body::Body;
 use crate::call::Call;
 use crate::error::Error;
-use crate::forces::{BodyForces, ForceSet, OrbitPlace};
+use crate::forces::{BodyForces, ForceSet, Orbit, OrbitPlace};
 use crate::kernel::{Kernel, KernelAssignment, Needs, System};
 use crate::memory;
 use crate::method::{Method, Step};

@@ -4,27 +4,27 @@ use super::*;
 use crate::scene::{AxisTangent, FunctionFrame, FunctionTurns, FurtherRates, Top};
 
 /// Gives the list of engines to a macro. `R` stands for the pack and `M` for the model in this pack. After the code
-/// stand the packs for AVX2, and for AVX-512 where it gains. Engines with long chains of rotations are fastest with two
+/// stand the packs for AVX2, and for AVX-512 where some layouts gain, with the function that tells which. Engines with long chains of rotations are fastest with two
 /// packs side by side inside the step (`Arr`), other engines with one (benches/README.md).
 macro_rules! engines {
     ($then:ident $($before:tt)*) => {
         $then! { $($before)* engines {
             /// Runge-Kutta with the tableau of `rk4`: its numbers are literals in the code.
-            Rk4: RungeKutta<Rk4Tableau, R, M>, V4, V8;
+            Rk4: RungeKutta<Rk4Tableau, R, M>, V4, V8 where forced;
             /// Runge-Kutta with the tableau of `dop853`.
-            Dop853: RungeKutta<Dop853Tableau, R, M>, V4, V8;
+            Dop853: RungeKutta<Dop853Tableau, R, M>, V4, V8 where forced;
             /// Over the anomaly of an orbit, with the tableau of `rk4`.
-            OrbitRk4: OrbitSteps<Rk4Tableau, R>, V4, V8;
+            OrbitRk4: OrbitSteps<Rk4Tableau, R>, V4, V8 where unforced;
             /// Over the anomaly of an orbit, with the tableau of `dop853`.
-            OrbitDop853: OrbitSteps<Dop853Tableau, R>, V4, V8;
+            OrbitDop853: OrbitSteps<Dop853Tableau, R>, V4, V8 where unforced;
             /// A Taylor series of any order.
-            Taylor: Taylor<R, M>, V4, V8;
+            Taylor: Taylor<R, M>, V4, V8 where unforced;
             /// Planar rotations about the principal axes and kicks, of order 2.
-            Planar: Splitting<Planar, R>, Arr<V4, 2>, Arr<V8, 2>;
+            Planar: Splitting<Planar, R>, Arr<V4, 2>, Arr<V8, 2> where unforced;
             /// The planar rotations and kicks with any numbers.
             ComposedPlanar: Splitting<ComposedPlanar, R>, Arr<V4, 2>;
             /// The exact rotor of a body that is symmetric about its axis 3, and kicks.
-            KickRotor: Splitting<KickRotor, R>, V4, V8;
+            KickRotor: Splitting<KickRotor, R>, V4, V8 where unforced;
             /// Discrete Moser-Veselov drifts of any body, and kicks.
             KickMoserVeselov: Splitting<KickMoserVeselov, R>, Arr<V4, 2>;
             /// Planar rotations, and one kick by torque and damping together.
@@ -39,7 +39,7 @@ macro_rules! engines {
 pub(crate) use engines;
 
 macro_rules! with_facts {
-    (engines { $($(#[$doc:meta])* $engine:ident: $code:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
+    (engines { $($(#[$doc:meta])* $engine:ident: $code:ty, $avx2:ty $(, $avx512:ty where $gains:ident)?;)* }) => {
         /// The code that makes a step. Methods that differ only in their numbers share an engine.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum EngineName {
