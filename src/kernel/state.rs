@@ -19,7 +19,7 @@ pub struct State {
     /// Attitude, if it is integrated.
     pub attitude: Option<[f64; 4]>,
     /// Whether the sign of the quaternion is arbitrary, because the quaternion is computed from rows of the matrix.
-    pub sign_is_free: bool,
+    sign_is_free: bool,
     /// Energy and conserved momentum, with the arithmetic of the kernel.
     pub invariants: [f64; 2],
     /// Energy and conserved momentum of a top with the vertical that follows from its attitude; this vertical may
@@ -43,6 +43,14 @@ pub struct Balance {
 }
 
 impl State {
+    /// The attitude, if it is integrated. A sign that is arbitrary is that nearer to the last attitude.
+    #[inline]
+    pub fn attitude_after(&self, last: &[f64; 4]) -> Option<[f64; 4]> {
+        let attitude = self.attitude?;
+        let turned = self.sign_is_free && (0..4).map(|k| attitude[k] * last[k]).sum::<f64>() < 0.0;
+        Some(if turned { attitude.map(|x| -x) } else { attitude })
+    }
+
     /// The state in space of a body whose rates are those over the pace of the anomaly, and whose attitude is that seen
     /// from the frame of its orbit. The work of the gravity gradient is what the kinetic energy has gained.
     pub fn at(self, place: &OrbitPlace, start: &Body) -> State {

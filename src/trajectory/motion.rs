@@ -484,15 +484,12 @@ impl MovingGroup {
         }
     }
 
-    /// Reads the present rates and attitudes. A sign that is not known is that nearer to the last attitude.
+    /// Reads the present rates and attitudes.
     fn read(&mut self) {
         for (lane, body) in self.bodies.iter_mut().enumerate() {
             let now = unload(&self.lanes, lane, self.compiled, self.assignments[lane]);
             body.omega = now.omega;
-            let attitude = now.attitude.expect("the attitude is always integrated");
-            let along: f64 = (0..4).map(|k| attitude[k] * body.attitude[k]).sum();
-            let turned = now.sign_is_free && along < 0.0;
-            body.attitude = if turned { attitude.map(|x| -x) } else { attitude };
+            body.attitude = now.attitude_after(&body.attitude).expect("the attitude is always integrated");
         }
     }
 }

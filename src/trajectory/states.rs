@@ -240,7 +240,7 @@ impl StatesPart<'_> {
     }
 
     /// Writes the state of a body, number `at` of all, and updates its drifts, given start and inverse scale of energy
-    /// and conserved momentum. A sign that is not known is that nearer to the last attitude.
+    /// and conserved momentum.
     pub(super) fn record(
         &mut self,
         body: usize,
@@ -258,12 +258,9 @@ impl StatesPart<'_> {
                 gamma[3 * at..][..3].copy_from_slice(direction);
             }
         }
-        if let (Some(mut attitude), Some(attitudes)) = (now.attitude, &mut self.attitude) {
-            if now.sign_is_free && (0..4).map(|k| attitude[k] * last[k]).sum::<f64>() < 0.0 {
-                attitude = attitude.map(|x| -x);
-            }
+        if let (Some(attitude), Some(attitudes)) = (now.attitude_after(last), &mut self.attitude) {
             *last = attitude;
-            units = worse(units, (length(&attitude) - 1.0).abs());
+            units = larger(units, (length(&attitude) - 1.0).abs());
             attitudes[4 * at..][..4].copy_from_slice(&attitude);
         }
         if let Some(work) = &mut self.work {
