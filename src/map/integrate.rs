@@ -6,7 +6,7 @@ use super::regular::{self, Checkpoints};
 use super::{Class, Observation, OnOrbit, Outcome, STEP_BLOCK};
 use crate::body::Body;
 use crate::error::Error;
-use crate::forces::{BodyForces, ForcesInterval, Modes, OrbitPlace};
+use crate::forces::{BodyForces, ForcesInterval, Modes};
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, Kernel, drive, load, reset_time};
 use crate::memory;
 use crate::observe::{Bound, Deviation, EXIT_TIME, Observed};
@@ -175,13 +175,8 @@ impl<'a> MapJob<'a> {
         let (map, cross_check) = (self.map, self.run.cross_check);
         let body = &self.bodies[index];
         let forces = self.forces_of(index);
-        let orbit = &forces.further.orbit;
         let is_on_clock = self.compiled.kernel().system.is_on_clock;
-        let on_orbit = is_on_clock.then(|| {
-            let place = OrbitPlace::of(*orbit, orbit.anomaly_at(0.0));
-            let farthest = orbit.farthest([0.0, map.t_end]);
-            OnOrbit { place, rate: body.pace_rate(&place, farthest), pace: orbit.pace(farthest) }
-        });
+        let on_orbit = is_on_clock.then(|| OnOrbit::of(body, &forces.further.orbit, [0.0, map.t_end]));
         let place = on_orbit.map(|on_orbit| on_orbit.place);
         // A time, or the anomaly until then.
         let span = place.map_or(map.t_end, |place| place.anomaly_until(map.t_end));

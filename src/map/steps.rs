@@ -2,7 +2,7 @@
 
 use super::{Observation, OnOrbit, regular};
 use crate::body::Body;
-use crate::forces::{BodyForces, OrbitPlace};
+use crate::forces::BodyForces;
 use crate::kernel::KernelAssignment;
 use crate::method::{self, AnyMethod, Method, default_step};
 
@@ -40,12 +40,10 @@ impl AnyMethod {
             of != PlannedRun::Growth && forces.orbit_alone() && KernelAssignment::on_orbit(method).is_some();
         let (mut rate, mut time) = (None, range[1] - range[0]);
         if is_on_clock {
-            let orbit = &forces.further.orbit;
-            let farthest = orbit.farthest(range);
-            let (place, pace) = (OrbitPlace::of(*orbit, orbit.anomaly_at(range[0])), orbit.pace(farthest));
-            time = place.anomaly_until(time) / pace;
+            let on_orbit = OnOrbit::of(body, &forces.further.orbit, range);
+            time = on_orbit.place.anomaly_until(time) / on_orbit.pace;
             if of == PlannedRun::Sample {
-                rate = Some(body.pace_rate(&place, farthest) * pace);
+                rate = Some(on_orbit.rate * on_orbit.pace);
             }
         }
         let rate = rate.unwrap_or_else(|| match of {
