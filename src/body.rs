@@ -1,7 +1,8 @@
 //! A body at its start: moments, weight, rates and attitude, a bound of its rates, and the scales of its drifts.
 
 use crate::forces::{BodyForces, Further, OrbitPlace};
-use crate::kinematics::{dot, length, to_body_frame};
+use crate::inertia::moment_range;
+use crate::kinematics::{dot, length, plain_dot, to_body_frame};
 
 /// One body with its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,15 +29,9 @@ impl Body {
 
     /// The unit of changes of the rates, `sqrt(|omega|^2 + mgl / I_min)`; 1 if that is zero.
     pub fn rate_unit(&self) -> f64 {
-        let square = |v: &[f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-        let [least, _] = self.moment_range();
-        let unit = (square(&self.omega) + square(&self.weight).sqrt() / least).sqrt();
+        let [least, _] = moment_range(self.moments);
+        let unit = (plain_dot(&self.omega, &self.omega) + self.mgl() / least).sqrt();
         if unit > 0.0 { unit } else { 1.0 }
-    }
-
-    /// The least and the largest moment.
-    pub(crate) fn moment_range(&self) -> [f64; 2] {
-        self.moments.iter().fold([f64::INFINITY, 0.0], |[least, largest], &b| [least.min(b), largest.max(b)])
     }
 
     /// Weight times the distance of the centre of mass.
@@ -123,7 +118,7 @@ impl Body {
             None => (0..3).map(|k| reach / self.moments[k]).sum(),
         };
         // A top also swings, so its rate is at least the pendulum frequency, even for a top at rest.
-        let [least, _] = self.moment_range();
+        let [least, _] = moment_range(self.moments);
         squares.max(mgl / least).sqrt()
     }
 

@@ -43,6 +43,11 @@ impl MomentStatus {
     }
 }
 
+/// The least and the largest moment.
+pub fn moment_range(moments: [f64; 3]) -> [f64; 2] {
+    moments.iter().fold([f64::INFINITY, 0.0], |[least, largest], &b| [least.min(b), largest.max(b)])
+}
+
 /// By how much the largest moment exceeds the sum of the other two, as a share of the moment of largest size; not
 /// positive for possible moments.
 pub fn excess(moments: [f64; 3]) -> f64 {

@@ -3,10 +3,10 @@
 //! An arrow points from a module to the modules that it uses:
 //!
 //! ```text
-//! real ← {dual, simd}        real ← special ← kinematics        {dual, kinematics} ← series ← forces ← {inertia, body}
-//! {kinematics, forces} ← scene ← method ← observe ← kernel        {special, body} ← exact
-//! special ← sample        memory ← {forces, kernel, parallel}        float_environment ← {parallel, python}
-//! {simd, parallel} ← call ← trajectory
+//! real ← {dual, simd}        real ← special ← kinematics        {dual, kinematics} ← series
+//! {series, inertia} ← forces ← body        {kinematics, forces} ← scene ← method ← observe ← kernel
+//! {special, body} ← exact        special ← sample        memory ← {forces, kernel, parallel}
+//! float_environment ← {parallel, python}        {simd, parallel} ← call ← trajectory
 //! {kernel, exact, sample, parallel} ← trajectory ← {estimate ← accuracy, map} ← python
 //! ```
 

@@ -95,6 +95,25 @@ pub trait Real:
     fn outlined<W: Outlined>(work: W) -> W::Out;
 }
 
+/// `a + b` and its rounding error (Knuth, TAOCP 2, §4.2.2).
+#[inline(always)]
+pub fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
+    let sum = a + b;
+    let of_b = sum - a;
+    (sum, (a - (sum - of_b)) + (b - of_b))
+}
+
+/// The larger number; no number if one is none.
+#[inline]
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
+/// The smaller number; no number if one is none.
+pub fn smaller(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a < b { a } else { b }
+}
+
 /// A `Real` with a body in each lane.
 pub trait Pack: Real {
     /// Eight bodies in such registers.
@@ -206,5 +225,21 @@ impl Real for f64 {
     #[inline(never)]
     fn outlined<W: Outlined>(work: W) -> W::Out {
         work.run()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_nan_is_worse_than_any_number() {
+        assert_eq!(
+            [larger(1.0, 2.0), larger(2.0, 1.0), smaller(1.0, 2.0), smaller(2.0, 1.0)],
+            [2.0, 2.0, 1.0, 1.0]
+        );
+        for of in [larger, smaller] {
+            assert!(of(f64::NAN, 1.0).is_nan() && of(1.0, f64::NAN).is_nan());
+        }
     }
 }

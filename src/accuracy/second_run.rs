@@ -4,9 +4,9 @@
 
 use super::batch::{Batch, Solver};
 use crate::error::Error;
-use crate::estimate::smaller;
 use crate::memory;
 use crate::method::{DOP853, FUNCTION, MIDPOINT, Method, TAYLOR16, TAYLOR20, TAYLOR26};
+use crate::real::smaller;
 use crate::trajectory::States;
 
 /// Number of halvings of the truncation error in the second run.

@@ -2,6 +2,7 @@
 
 use super::{Recorded, Sized, larger, largest, length, smaller, unit};
 use crate::forces::{MOST_STATES, SMALL_STATE};
+use crate::inertia::moment_range;
 
 /// Relative distances of the states of two runs of a body at their times: the largest of `|d omega|` over the largest
 /// `|omega|` of the two, of the chord of the angle between the verticals and of the angle between the attitudes. Rates that are all
@@ -32,7 +33,7 @@ pub fn stated(known: &Sized, other: &Recorded, safety: f64, error: &mut [f64]) {
     }
     if let (Some(work), Some(others)) = (run.work, other.work) {
         // The fastest rate is reached about the axis of the least moment.
-        let energy = 0.5 * known.run.body.moment_range()[0] * (known.bound * known.bound);
+        let energy = 0.5 * moment_range(known.run.body.moments)[0] * (known.bound * known.bound);
         let energy = if energy > 0.0 { energy } else { 1.0 };
         for (error, (work, other)) in error.iter_mut().zip(work.iter().zip(others)) {
             *error = larger(*error, safety * ((work - other).abs() / energy));

@@ -5,6 +5,7 @@ use crate::body::Body;
 use crate::call::Call;
 use crate::error::Error;
 use crate::forces::Forces;
+use crate::inertia::moment_range;
 use crate::memory;
 use crate::method::{AnyMethod, MIDPOINT, RK4, STIFF, default_step};
 use crate::scene::Scene;
@@ -99,7 +100,7 @@ fn of_steady_rates(known: &Sized) -> f64 {
 /// that preserve `|L|` add it apart from the turn.
 fn second_difference(run: &Run) -> f64 {
     let moments = run.body.moments;
-    let by_weight = run.body.mgl() / run.body.moment_range()[0];
+    let by_weight = run.body.mgl() / moment_range(run.body.moments)[0];
     if run.method.facts.group_preserving && by_weight > 0.0 {
         return by_weight;
     }

@@ -23,8 +23,10 @@ pub use turns::longest_interval;
 
 use crate::body::Body;
 use crate::forces::{BodyForces, MOST_STATES};
+use crate::inertia::moment_range;
 use crate::kinematics::{length, plain_dot as dot};
 use crate::method::Method;
+use crate::real::{larger, smaller};
 use crate::simd::Isa;
 use crate::trajectory::time_range;
 
@@ -214,7 +216,7 @@ impl<'a> Sized<'a> {
 
 /// The rate of the swing of a body.
 fn swing(body: &Body) -> f64 {
-    (body.mgl() / body.moment_range()[0]).sqrt()
+    (body.mgl() / moment_range(body.moments)[0]).sqrt()
 }
 
 /// The size to which errors of rates are relative: the largest rate, or a scale beside which that is rest.
@@ -231,16 +233,6 @@ fn unit(size: f64, scale: f64) -> f64 {
 /// The fastest of some rates.
 pub fn fastest<T: Copy + Into<f64>>(omega: &[[T; 3]]) -> f64 {
     largest(omega.iter().map(|rates| length(&rates.map(Into::into))))
-}
-
-/// The larger number; no number if one is none.
-fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a > b { a } else { b }
-}
-
-/// The smaller number; no number if one is none.
-pub(crate) fn smaller(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a < b { a } else { b }
 }
 
 /// The largest of some numbers and 0; no number if one is none.

@@ -3,10 +3,11 @@
 //! No method can do better: the start itself is known to rounding only. The start of a second run is rounded otherwise, but
 //! a start in equilibrium stays one, and a tiny tilt changes by a share of itself: there the distance of both runs does not show it.
 
-use super::{Sized, cross, larger, length, vertical};
+use super::{Sized, cross, dot, larger, length, vertical};
 use crate::body::Body;
 use crate::exact::derived;
 use crate::forces::Damping;
+use crate::inertia::moment_range;
 use crate::simd::Isa;
 use crate::special::{exp, exp_m1};
 use nalgebra::{Matrix3, Matrix6, Schur};
@@ -91,7 +92,7 @@ impl Departure {
             return None;
         }
         let gamma = vertical(attitude);
-        let rate = (omega.iter().map(|x| x * x).sum::<f64>() + body.mgl() / body.moment_range()[0]).sqrt();
+        let rate = (dot(&omega, &omega) + body.mgl() / moment_range(body.moments)[0]).sqrt();
         let tilt = length(&cross(&gamma, &omega)) / rate;
         if !(tilt < NEAR) {
             return None;

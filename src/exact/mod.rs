@@ -13,7 +13,7 @@ pub use free::Free;
 pub use lagrange::Lagrange;
 pub use symmetric::Symmetric;
 
-use crate::real::Real;
+use crate::real::{Real, two_sum};
 use crate::special::sincos_of_sum;
 use crate::special::theta::Phase;
 
@@ -89,10 +89,8 @@ fn turn<R: Real, const N: usize>(products: &[(R, R); N], angle: R) -> (R, R) {
     for &(a, b) in products {
         let product = a * b;
         let product_low = a.fms(b, product);
-        // Knuth's exact sum.
-        let sum = high + product;
-        let back = sum - high;
-        low = low + (((high - (sum - back)) + (product - back)) + product_low);
+        let (sum, lost) = two_sum(high, product);
+        low = low + (lost + product_low);
         high = sum;
     }
     sincos_of_sum(high, low)

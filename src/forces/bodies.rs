@@ -7,6 +7,7 @@ use super::{
     TorqueCalls, TorqueFunction, Trajectory, part,
 };
 use crate::error::{Error, refuse};
+use crate::inertia::moment_range;
 use crate::memory;
 use crate::real::Real;
 use crate::special::exp;
@@ -459,7 +460,6 @@ impl<'a> BodyForces<'a> {
         }
     }
 
-    /// The states of the function at the start.
     /// What the function is told of the place at a time; zero without an orbit.
     pub fn place(&self, time: f64) -> [f64; 3] {
         let trajectory = self.table.trajectory.polynomial(time, false, self.table.doubt);
@@ -471,6 +471,7 @@ impl<'a> BodyForces<'a> {
         self.further.orbit.place(variables)
     }
 
+    /// The states of the function at the start.
     pub fn states(&self) -> [f64; MOST_STATES] {
         self.function.map_or([0.0; MOST_STATES], |function| function.start())
     }
@@ -534,7 +535,7 @@ impl<'a> BodyForces<'a> {
         [twice_kinetic, mgl, fall]: [f64; 3],
         [first, last]: [f64; 2],
     ) -> f64 {
-        let least = moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+        let [least, _] = moment_range(moments);
         let [d, .., fastest] = self.damping.rates(moments);
         let strength = self.table.strength(moments) + self.further.strength(moments);
         let start = twice_kinetic.sqrt();

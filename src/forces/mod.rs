@@ -40,6 +40,7 @@ pub use trajectory::{Trajectory, TrajectorySeries};
 
 use crate::dual::Dual;
 use crate::error::{Error, refuse};
+use crate::inertia::moment_range;
 use crate::kinematics::length;
 use crate::real::{Pack, Real};
 use crate::series::Coefficients;
@@ -379,7 +380,7 @@ impl Further<f64> {
     /// What the forces add to the rate that the steps of a body follow, whose rates reach `fastest`. The momentum in
     /// space is constant if there is no other torque, `is_torque_free`.
     pub fn step_rate(&self, moments: [f64; 3], omega: [f64; 3], fastest: f64, is_torque_free: bool) -> f64 {
-        let [least, largest] = range(moments);
+        let [least, largest] = moment_range(moments);
         let rotor = self.rotor.0;
         let momentum = if is_torque_free && !self.drives() {
             length(&[0, 1, 2].map(|k| moments[k] * omega[k] + rotor[k]))
@@ -411,12 +412,6 @@ fn part<const N: usize>(numbers: &[f64], at: usize) -> [f64; N] {
     let mut part = [0.0; N];
     part.copy_from_slice(&numbers[at..][..N]);
     part
-}
-
-/// The least and the largest moment.
-fn range(moments: [f64; 3]) -> [f64; 2] {
-    let least = moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
-    [least, moments.iter().fold(0.0, |a, &b| a.max(b))]
 }
 
 /// Refuses negative coefficients.

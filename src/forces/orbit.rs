@@ -8,9 +8,10 @@
 //! leads away from the periapsis, and the distance and the mean anomaly `E - e sin E` change their signs (Battin, An
 //! Introduction to the Mathematics and Methods of Astrodynamics, 1999, §4.4).
 
-use super::{AtStart, Bounded, Force, Order, Pace, length, range};
+use super::{AtStart, Bounded, Force, Order, Pace, length};
 use crate::dual::Dual;
 use crate::error::{Error, refuse};
+use crate::inertia::moment_range;
 use crate::kinematics::{cross, direction, dot, put, to_body_frame};
 use crate::real::{Outlined, Real};
 use crate::series::{Coefficients, VectorSeries};
@@ -499,7 +500,7 @@ impl Bounded for Orbit<f64> {
     }
 
     fn strength(&self, moments: [f64; 3]) -> f64 {
-        let [least, largest] = range(moments);
+        let [least, largest] = moment_range(moments);
         let left = self.periapsis();
         1.5 * self.rate() * self.rate() * (largest - least) / (left * left * left * least.sqrt())
     }
@@ -511,7 +512,7 @@ impl Bounded for Orbit<f64> {
     fn reach(&self, start: &AtStart, root: f64) -> [f64; 2] {
         let Some(normal) = self.normal() else { return [root, 0.0] };
         let (moments, wheel) = (&start.moments, length(&start.rotor));
-        let [least, largest] = range(start.moments);
+        let [least, largest] = moment_range(start.moments);
         // On a hyperbola the direction turns as slowly as the body is far.
         let farthest = if self.is_open() { f64::INFINITY } else { 1.0 + self.eccentricity() };
         let [fastest, slowest] = [self.periapsis(), farthest].map(|distance| self.turning(distance));

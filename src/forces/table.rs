@@ -3,7 +3,8 @@
 
 use super::Trajectory;
 use crate::error::{Error, refuse};
-use crate::kinematics::{direction, dot};
+use crate::inertia::moment_range;
+use crate::kinematics::{direction, dot, plain_dot};
 use crate::memory;
 use crate::real::Real;
 
@@ -199,7 +200,7 @@ impl Samples<'_, Knot> {
             let (third, [a, b]) = ((times[1] - times[0]) / 3.0, [knots[0], knots[1]]);
             let point = |knot: Knot, share: f64| [0, 1, 2].map(|i| knot[0][i] + share * knot[1][i]);
             let points = [point(a, 0.0), point(a, third), point(b, -third), point(b, 0.0)];
-            let square = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
+            let square = |v: [f64; 3]| plain_dot(&v, &v);
             let size = points.iter().map(|&p| square(p)).fold(0.0, f64::max);
             let slopes = points.windows(2).map(|p| square([0, 1, 2].map(|i| (p[1][i] - p[0][i]) / third)));
             largest = largest.max(size);
@@ -273,8 +274,7 @@ impl Table<'_> {
 
     /// The largest momentum of the rotor at any time; `None` without its table.
     pub fn largest_momentum(&self) -> Option<[f64; 3]> {
-        let square = |h: &[f64; 3]| h.iter().map(|x| x * x).sum::<f64>();
-        self.rotor.values.iter().copied().max_by(|a, b| square(a).total_cmp(&square(b)))
+        self.rotor.values.iter().copied().max_by(|a, b| plain_dot(a, a).total_cmp(&plain_dot(b, b)))
     }
 
     /// The next knot after a time, forward or backward.
@@ -328,7 +328,8 @@ impl Table<'_> {
             return root;
         }
         let [largest, changes] = self.trajectory.bounds(range);
-        (root * root + spread(moments) * (largest + changes)).sqrt()
+        let [least, most] = moment_range(moments);
+        (root * root + (most - least) * (largest + changes)).sqrt()
     }
 
     /// A bound of `|I^(-1/2) torque|` at all times.
@@ -342,26 +343,19 @@ impl Table<'_> {
         });
         let mut strength = torque + rotor.fold(0.0, f64::max);
         if !self.trajectory.values.is_empty() {
-            let least = moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+            let [least, most] = moment_range(moments);
             let [largest, _] = self.trajectory.bounds([f64::NEG_INFINITY, f64::INFINITY]);
-            strength += 0.5 * spread(moments) * largest / least.sqrt();
+            strength += 0.5 * (most - least) * largest / least.sqrt();
         }
         strength
     }
 }
 
-/// The largest moment less the least.
-fn spread(moments: [f64; 3]) -> f64 {
-    let least = moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
-    moments.iter().fold(0.0_f64, |a, &b| a.max(b)) - least
-}
-
 /// A bound of `|I^(-1/2) torque|` for the sum of a torque in the body and a torque in space.
 fn size(moments: [f64; 3], [body, space]: [[f64; 3]; 2]) -> f64 {
-    let least = moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+    let [least, _] = moment_range(moments);
     let own: f64 = (0..3).map(|k| body[k] * body[k] / moments[k]).sum();
-    let turned: f64 = space.iter().map(|x| x * x).sum::<f64>() / least;
-    own.sqrt() + turned.sqrt()
+    own.sqrt() + (plain_dot(&space, &space) / least).sqrt()
 }
 
 /// The spline of a trajectory through samples of `sqrt(3 gm / r^3) o`, and its doubt.

@@ -6,8 +6,8 @@ use super::step::used_packs;
 use crate::error::Error;
 use crate::kinematics::speed;
 use crate::memory;
-use crate::method::{Coefficients, Engine, Limits, Proposal, in_halves, two_sum};
-use crate::real::{Pack, Real, zero_or_nan};
+use crate::method::{Coefficients, Engine, Limits, Proposal, in_halves};
+use crate::real::{Pack, Real, two_sum, zero_or_nan};
 use crate::scene::{Layout, Model, Parameters};
 use crate::simd::{LANES, Row, load_rows, store_rows};
 

@@ -3,10 +3,8 @@
 use super::adaptive::{AdaptiveSteps, some_ends};
 use super::group::{ForcesRows, Group, MAX_STATE};
 use crate::forces::ForcesInterval;
-use crate::method::{
-    COLUMNS, Columns, Engine, Numbers, SeriesAlone, Taylor, bound_of_margins, in_columns, two_sum,
-};
-use crate::real::{Quad, is_finite};
+use crate::method::{COLUMNS, Columns, Engine, Numbers, SeriesAlone, Taylor, bound_of_margins, in_columns};
+use crate::real::{Quad, is_finite, two_sum};
 use crate::scene::{Layout, Model, Parameters};
 use crate::simd::Row;
 use crate::special::ln;

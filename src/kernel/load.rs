@@ -4,6 +4,7 @@ use super::group::{Group, MAX_STATE};
 use super::{Compiled, KernelAssignment, System};
 use crate::body::Body;
 use crate::forces::{BodyForces, ForcesInterval, Further, MOST_STATES, OrbitPlace};
+use crate::inertia::moment_range;
 use crate::kinematics::{half_rows, space_axes, to_body_frame};
 use crate::method::Variables;
 use crate::observe::{self, Deviation, Observed};
@@ -146,7 +147,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         // The rates and their bound are over the pace of the anomaly. Rates beyond the bound count as a drift.
         let (pace, rate) =
             (Body { omega: [y[0], y[1], y[2]], ..*body }, forces.map_or(0.0, |(_, rate)| rate));
-        let ([least, _], square) = (body.moment_range(), rate * rate);
+        let ([least, _], square) = (moment_range(body.moments), rate * rate);
         group.energy.inverse_scale.0[lane] = 1.0 / (0.5 * least).mul_add(square, pace.kinetic_energy());
         (group.momentum.start.0[lane], group.momentum.inverse_scale.0[lane]) = (0.0, DRIFT_LIMIT / square);
     }
@@ -203,13 +204,17 @@ pub fn reset_time(group: &mut Group, system: System, lane: usize) {
     group.compensation[time].0[lane] = 0.0;
 }
 
+/// The scale that this is the inverse of; zero if there is none.
+pub fn scale_of(inverse: f64) -> f64 {
+    if inverse > 0.0 && inverse.is_finite() { 1.0 / inverse } else { 0.0 }
+}
+
 /// Adds the largest energy and momentum that forces can supply to the scales of the drifts; `rate` bounds |omega|.
 fn widen_scales(group: &mut Group, lane: usize, system: System, body: &Body, rate: f64) {
-    let [least, largest] = body.moment_range();
+    let [least, largest] = moment_range(body.moments);
     let momentum = system.scene.conserved.scale(largest * rate);
     for (rows, gain) in [(&mut group.energy, 0.5 * least * rate * rate), (&mut group.momentum, momentum)] {
-        let inverse = rows.inverse_scale.0[lane];
-        let scale = if inverse > 0.0 && inverse.is_finite() { 1.0 / inverse } else { 0.0 };
+        let scale = scale_of(rows.inverse_scale.0[lane]);
         rows.inverse_scale.0[lane] = if scale + gain > 0.0 { 1.0 / (scale + gain) } else { 0.0 };
     }
 }

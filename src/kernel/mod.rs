@@ -17,6 +17,6 @@ pub use assignment::KernelAssignment;
 pub use compiled::Compiled;
 pub use drive::{Job, drive};
 pub use group::{DeviationRows, DriftRows, ForcesRows, Group, MAX_STATE};
-pub use load::{Entry, load, reset_time};
+pub use load::{Entry, load, reset_time, scale_of};
 pub use registry::{Kernel, Needs, System, Traits};
 pub use state::{Balance, State, read, unload};

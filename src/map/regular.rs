@@ -269,6 +269,7 @@ impl Observation<'_> {
 mod tests {
     use super::*;
     use crate::forces::Forces;
+    use crate::inertia::moment_range;
     use crate::kinematics::{dot, quaternion_product};
     use std::array;
 
@@ -379,7 +380,7 @@ mod tests {
         let gamma = along.map(|x| x / unit);
         let momentum = cross(&gamma, &[x, y, z]);
         let omega = [0, 1, 2].map(|k| momentum[k] / moments[k]);
-        let mgl = (unit * unit - dot(&omega, &omega)) * moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+        let mgl = (unit * unit - dot(&omega, &omega)) * moment_range(moments)[0];
         assert!(mgl > 0.0);
         // The shortest turn that brings the vertical to gamma in the body.
         let scale = (2.0 * (1.0 + gamma[2])).sqrt();

@@ -1,7 +1,7 @@
 //! The splittings. Only halves of palindromes are listed; the other fractions follow from sums.
 
 use super::splitting::flow_code;
-use super::{Composition, EngineName, Facts, ForcedStep, Method, Numbers, Processor, Step};
+use super::{Composition, EngineName, Facts, ForcedStep, Method, Numbers, Processor, Step, power};
 
 /// Alternating fractions of kicks and drifts: a palindrome that begins with a kick, which may be 0. The lists omit the
 /// last fractions of kicks and drifts, because each kind sums to one.
@@ -381,7 +381,7 @@ pub(super) const fn check_composition(step: Step, facts: Facts) {
 /// `sum a d^2 - 2 sum gradients = 1/3`, where `d` is the sum of the kicks before each drift.
 const fn check_order(numbers: &Numbers, order: u32) {
     let mut k = 0;
-    while k < order as i32 {
+    while k < order as usize {
         let (mut sum, mut time) = (0.0, 0.0);
         let mut i = 0;
         while i < numbers.fractions.len() {
@@ -409,7 +409,4 @@ const fn check_order(numbers: &Numbers, order: u32) {
         i += 1;
     }
     assert!(order < 4 || is_near(sum, 1.0 / 3.0));
-}
-const fn power(x: f64, n: i32) -> f64 {
-    if n == 0 { 1.0 } else { x * power(x, n - 1) }
 }

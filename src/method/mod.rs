@@ -36,7 +36,7 @@ pub use splitting::{
 };
 pub use tableau::{Dop853Tableau, Rk4Tableau, Tableau};
 pub use taylor::Taylor;
-pub(crate) use taylor::{bound_of_margins, in_halves, two_sum};
+pub(crate) use taylor::{bound_of_margins, in_halves};
 
 use crate::error::{Error, refuse};
 use crate::forces::ForcesInterval;
@@ -540,6 +540,11 @@ const _: () = {
         i += 1;
     }
 };
+
+/// A power of a number, for the checks and tables of constants.
+const fn power(x: f64, n: usize) -> f64 {
+    if n == 0 { 1.0 } else { x * power(x, n - 1) }
+}
 
 /// Euler's equations: the rate of change of the rates, from a state of rates.
 #[inline(always)]

@@ -4,7 +4,7 @@
 //! `(1 + s) / I_j + d`, with two series in h^2 H and h^2 L.L/2, the map has any even order (Hairer & Vilmart,
 //! J. Phys. A 39 (2006) 13225). The coefficients were found by an exact rational fit to the series of the motion.
 
-use super::{Drift, Numbers};
+use super::{Drift, Numbers, power};
 use crate::kinematics;
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
@@ -155,9 +155,6 @@ const fn sum(terms: &[Monomial], e: [f64; 3], energy: f64, c: f64, k: usize, ext
         i += 1;
     }
     sum
-}
-const fn power(x: f64, n: usize) -> f64 {
-    if n == 0 { 1.0 } else { x * power(x, n - 1) }
 }
 
 /// The map of an order from 2 to 10. Moments are in units of the first moment, so that only the step has a dimension.

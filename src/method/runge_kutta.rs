@@ -4,10 +4,10 @@ use super::tableau::{ALL_STAGES, Dop853Tableau, MAX_STAGES, Rk4Tableau, Tableau}
 use super::tableau::{check, coefficient, first, time, times_of, weight};
 use super::tangent::{further_tangent_rate, tangent_rate};
 use super::{Coefficients, Engine, EngineName, Facts, Limits, Method, Numbers, Proposal, Step, Variables};
-use super::{acceleration, acceleration_by, cubic_inside, moved, put_turned, turning_of_rates, two_sum};
+use super::{acceleration, acceleration_by, cubic_inside, moved, put_turned, turning_of_rates};
 use crate::forces::{ForcesInterval, SMALL_STATE};
 use crate::kinematics::{plus, put, speed};
-use crate::real::Real;
+use crate::real::{Real, two_sum};
 use crate::scene::{
     Applied, FurtherRate, Layout, MOVED, Model, Moved, Parameters, ROWS_LEN, Torques, Varied, in_rows,
 };

@@ -11,7 +11,7 @@ use crate::forces::{ForcesInterval, Further, FurtherSeries, Order, TrajectorySer
 use crate::kinematics::{
     add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, cross, direction, plus, put,
 };
-use crate::real::{Outlined, Real, is_finite};
+use crate::real::{Outlined, Real, is_finite, two_sum};
 use crate::scene::{
     Applied, Layout, MOVED, Model, Moved, Parameters, Varied, add_turned_axes, moved_by, quaternion,
 };
@@ -583,14 +583,6 @@ impl<R: Real, M: Model<R>> MovedSeries<R, M> {
             frames: VectorSeries::new(),
         }
     }
-}
-
-/// `a + b` and its rounding error (Knuth, TAOCP 2, §4.2.2).
-#[inline(always)]
-pub fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
-    let sum = a + b;
-    let of_b = sum - a;
-    (sum, (a - (sum - of_b)) + (b - of_b))
 }
 
 /// The longest step, in units, for which the last two terms of the series are below the tolerance, with the safety

@@ -1,10 +1,10 @@
 //! Sign changes of a component of the rates.
 
 use super::inside::{Bracket, Inside, has_minimum, least, lowest};
-use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, look_inside, motion_inside, three};
+use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, look_inside, motion_inside, three};
 use crate::body::{Body, VERTICAL};
 use crate::forces::{BodyForces, ForcesInterval};
-use crate::kinematics::{put, to_body_frame};
+use crate::kinematics::{dot, put, to_body_frame};
 use crate::method::{Coefficients, Engine, Numbers, Rk4Tableau, RungeKutta, Taylor};
 use crate::real::{Outlined, Real};
 use crate::scene::{FurtherFrame, Layout, Model, Parameters, StatesTurns, Top};
@@ -35,7 +35,7 @@ impl<R: Real, const D: usize> Inside<R> for Component<'_, R, D> {
     fn at(&self, fraction: R) -> R {
         let mut sum = R::splat(0.0);
         for row in self.dense.all().iter().rev() {
-            sum = sum.fma(fraction, along(&self.axis, &[row[0], row[1], row[2]]));
+            sum = sum.fma(fraction, dot(&self.axis, &[row[0], row[1], row[2]]));
         }
         sum * self.sign
     }
@@ -146,8 +146,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
         if const { S::IS_LONG } {
             let signed = p.step * rows[Flips::SIGN];
             let slopes = [
-                along(&axis, &engine.velocity(p, segment.before)) * signed,
-                along(&axis, &engine.velocity(p, segment.after)) * signed,
+                dot(&axis, &engine.velocity(p, segment.before)) * signed,
+                dot(&axis, &engine.velocity(p, segment.after)) * signed,
             ];
             sought = sought.min(R::select(has_minimum(slopes), lowest(ends, slopes), R::splat(0.0)));
         }
@@ -194,7 +194,7 @@ impl Flips {
     fn at_ends<R: Real, S, const D: usize>(rows: &Rows<R>, segment: &Segment<R, S, D>) -> [R; 2] {
         let axis = three(rows, Flips::AXIS);
         let (before, after, sign) = (segment.before, segment.after, rows[Flips::SIGN]);
-        let begin = along(&axis, &[before[0], before[1], before[2]]);
-        [begin * sign, along(&axis, &[after[0], after[1], after[2]]) * sign]
+        let begin = dot(&axis, &[before[0], before[1], before[2]]);
+        [begin * sign, dot(&axis, &[after[0], after[1], after[2]]) * sign]
     }
 }

@@ -1,9 +1,9 @@
 //! The mean over the time of a component of the rates.
 
-use super::{Observable, Rows, Segment, Start, Update, along, look_inside, motion_inside, three};
-use crate::kinematics::put;
+use super::{Observable, Rows, Segment, Start, Update, look_inside, motion_inside, three};
+use crate::kinematics::{dot, put};
 use crate::method::Engine;
-use crate::real::Real;
+use crate::real::{Real, two_sum};
 use crate::scene::{Layout, Model, Parameters};
 
 /// The integral over the time of the rate about the observed axis: of the motion inside each long step, else of the cubic
@@ -52,13 +52,13 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Mea
         let &Segment { engine, p, begin: time, before, after, .. } = segment;
         let axis = three(rows, MeanRate::AXIS);
         let (begin, end) = (S::VARIABLES.rates(p, before), S::VARIABLES.rates(p, after));
-        let (begin, end) = (along(&axis, &begin), along(&axis, &end));
+        let (begin, end) = (dot(&axis, &begin), dot(&axis, &end));
         // The state may consist of momenta.
         let [mut slope, last] = [engine.velocity(p, before), engine.velocity(p, after)];
         for k in 0..3 {
             slope[k] = (slope[k] - last[k]) * p.step;
         }
-        let bend = along(&axis, &S::VARIABLES.rates(p, &slope));
+        let bend = dot(&axis, &S::VARIABLES.rates(p, &slope));
         let mean = bend.fma(R::splat(1.0 / 12.0), (begin + end) * R::splat(0.5));
         MeanRate::add(p, rows, time, mean);
     }
@@ -68,7 +68,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Mea
         let axis = three(rows, MeanRate::AXIS);
         let mut mean = R::splat(0.0);
         for (k, row) in motion_inside(segment).all().iter().enumerate().rev() {
-            mean = along(&axis, &[row[0], row[1], row[2]]).fma(R::splat(1.0 / (k + 1) as f64), mean);
+            mean = dot(&axis, &[row[0], row[1], row[2]]).fma(R::splat(1.0 / (k + 1) as f64), mean);
         }
         MeanRate::add(segment.p, rows, segment.begin, mean);
     }
@@ -78,12 +78,8 @@ impl MeanRate {
     /// Adds the integral over a step, from the mean in it. Over an anomaly it is that of the rates over the pace.
     #[inline(always)]
     fn add<R: Real>(p: &Parameters<R>, rows: &mut Rows<R>, begin: R, mean: R) {
-        // The sum with its rounding error (Knuth).
-        let (sum, term) = (rows[MeanRate::ANGLE], mean * p.step);
-        let next = sum + term;
-        let part = next - sum;
-        let lost = (sum - (next - part)) + (term - part);
-        rows[MeanRate::ANGLE] = next;
+        let (sum, lost) = two_sum(rows[MeanRate::ANGLE], mean * p.step);
+        rows[MeanRate::ANGLE] = sum;
         rows[MeanRate::ANGLE + 1] = rows[MeanRate::ANGLE + 1] + lost;
         rows[MeanRate::TIME] = begin + p.step;
     }

@@ -301,12 +301,6 @@ fn three<R: Real>(rows: &Rows<R>, first: usize) -> [R; 3] {
     [rows[first], rows[first + 1], rows[first + 2]]
 }
 
-/// The component of a vector along a frame axis; the sum is exact, because two components of `axis` are zero.
-#[inline(always)]
-fn along<R: Real>(axis: &[R; 3], v: &[R; 3]) -> R {
-    axis[0].fma(v[0], axis[1].fma(v[1], axis[2] * v[2]))
-}
-
 /// The square of a distance.
 #[inline(always)]
 fn chord2<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {

@@ -2,7 +2,7 @@
 
 use super::inside::{Bracket, Inside, has_minimum, least, lowest, state};
 use super::{
-    Bound, Direction, EXIT_TIME, Observable, Quantity, Rows, Segment, Start, Update, along, angle_of, chord2,
+    Bound, Direction, EXIT_TIME, Observable, Quantity, Rows, Segment, Start, Update, angle_of, chord2,
     chord2_of, combined, look_inside, motion_inside, three,
 };
 use crate::kinematics::{add_cross, cross, direction, direction_rate, dot, half_rows, plus, put, space_axes};
@@ -106,8 +106,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
             let begin = chord2(&axis, &at_begin);
             let twice = p.step + p.step;
             let slopes = [
-                along(&axis, &direction_rate(&at_begin, &engine.turning(p, segment.before))) * twice,
-                along(&axis, &direction_rate(&at_end, &engine.turning(p, segment.after))) * twice,
+                dot(&axis, &direction_rate(&at_begin, &engine.turning(p, segment.before))) * twice,
+                dot(&axis, &direction_rate(&at_end, &engine.turning(p, segment.after))) * twice,
             ];
             let spare = largest + lowest([-begin, -end], slopes);
             sought = sought.min(R::select(has_minimum(slopes), spare, R::splat(0.0)));
@@ -123,7 +123,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
         let ends = [Path::of(engine, p, rows, segment.before), Path::of(engine, p, rows, segment.after)];
         let inside = Quintic::between(&axis, &ends);
         let [begin, end] = [-chord2(&axis, &ends[0].direction), -chord2(&axis, &ends[1].direction)];
-        let [first, second] = [along(&axis, &ends[0].slope), along(&axis, &ends[1].slope)];
+        let [first, second] = [dot(&axis, &ends[0].slope), dot(&axis, &ends[1].slope)];
         let slopes = [first + first, second + second];
         let is_inside = has_minimum(slopes);
         let near = R::select(is_inside, slopes[0] / (slopes[0] - slopes[1]), half);

@@ -4,6 +4,7 @@ use super::{ConservedMomentum, Model, Parameters, Scene};
 use crate::body::Body;
 use crate::dual::Dual;
 use crate::forces::ParameterChange;
+use crate::inertia::moment_range;
 use crate::kinematics::{cross, direction, dot, plus};
 use crate::real::Real;
 
@@ -18,7 +19,7 @@ pub const TOP: Scene = Scene {
 
 /// Kinetic energy plus `mgl`, and |L| plus `sqrt(mgl I_max)`: the invariants themselves may vanish.
 fn invariant_scales(body: &Body) -> [f64; 2] {
-    let (mgl, [_, largest]) = (body.mgl(), body.moment_range());
+    let (mgl, [_, largest]) = (body.mgl(), moment_range(body.moments));
     [body.kinetic_energy() + mgl, body.squared_momentum().sqrt() + (mgl * largest).sqrt()]
 }
 

@@ -1,6 +1,5 @@
 //! States in closed form: many bodies side by side, or many times of one.
 
-use super::states::worse;
 use super::{Record, Request, Schedule, StatesPart, kinds_in, neighbours, over_blocks_of, time_range};
 use crate::body::Body;
 use crate::call::Call;
@@ -10,6 +9,7 @@ use crate::forces::BodyForces;
 use crate::kinematics::{length, plain_dot};
 use crate::memory;
 use crate::parallel::Interrupt;
+use crate::real::larger;
 use crate::scene::Scene;
 use crate::simd::{Isa, LANES, Row};
 use crate::status::Status;
@@ -193,13 +193,13 @@ impl ClosedFormBatch<'_> {
             if let Some(column) = &mut states.attitude {
                 column[4 * at..][..4].copy_from_slice(&attitude);
             }
-            states.unit_drift[place] = worse(states.unit_drift[place], (length(&attitude) - 1.0).abs());
+            states.unit_drift[place] = larger(states.unit_drift[place], (length(&attitude) - 1.0).abs());
         }
         let now = invariants(body, self.request.scene, omega, gamma);
         let Invariants { start, inverse_scale } = self.known[index];
         let drift = [0, 1].map(|k| (now[k] - start[k]).abs() * inverse_scale[k]);
-        states.energy_drift[place] = worse(states.energy_drift[place], drift[0]);
-        states.momentum_drift[place] = worse(states.momentum_drift[place], drift[1]);
+        states.energy_drift[place] = larger(states.energy_drift[place], drift[0]);
+        states.momentum_drift[place] = larger(states.momentum_drift[place], drift[1]);
         if !omega.iter().chain(&attitude).all(|x| x.is_finite()) {
             states.status[place] = Status::NotFinite;
         }

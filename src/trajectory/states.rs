@@ -3,9 +3,10 @@
 use super::request::{Record, Request};
 use crate::error::Error;
 use crate::forces::MOST_STATES;
-use crate::kernel::State;
+use crate::kernel::{State, scale_of};
 use crate::kinematics::length;
 use crate::memory;
+use crate::real::larger;
 use crate::status::{DRIFT_LIMIT, Status};
 
 /// The values of a column.
@@ -253,7 +254,7 @@ impl StatesPart<'_> {
         }
         let mut units = 0.0_f64;
         if let Some(direction) = &now.direction {
-            units = worse(units, (length(direction) - 1.0).abs());
+            units = larger(units, (length(direction) - 1.0).abs());
             if let Some(gamma) = &mut self.gamma {
                 gamma[3 * at..][..3].copy_from_slice(direction);
             }
@@ -277,10 +278,10 @@ impl StatesPart<'_> {
             tangent[6 * at..][..6].copy_from_slice(now);
         }
         for [energy, momentum] in invariant_errors(now, invariants).into_iter().flatten() {
-            self.energy_drift[body] = worse(self.energy_drift[body], energy);
-            self.momentum_drift[body] = worse(self.momentum_drift[body], momentum);
+            self.energy_drift[body] = larger(self.energy_drift[body], energy);
+            self.momentum_drift[body] = larger(self.momentum_drift[body], momentum);
         }
-        self.unit_drift[body] = worse(self.unit_drift[body], units);
+        self.unit_drift[body] = larger(self.unit_drift[body], units);
         finite &= now.omega.iter().chain(&now.invariants).all(|x| x.is_finite()) && units.is_finite();
         if !finite {
             self.status[body] = Status::NotFinite;
@@ -316,24 +317,13 @@ pub(super) fn invariant_errors(now: &State, at_start: [[f64; 2]; 2]) -> [Option<
             both[i] = match scales {
                 // Of a body at rest that nothing has moved yet both are zero.
                 Some(scales) if off == 0.0 && scales[i].is_finite() => 0.0,
-                Some(scales) => off / (scales[i] + inverse_or_zero(inverse_scale)),
+                Some(scales) => off / (scales[i] + scale_of(inverse_scale)),
                 None => off * inverse_scale,
             };
         }
         *error = Some(both);
     }
     errors
-}
-
-/// The scale that this is the inverse of; zero if there is none.
-fn inverse_or_zero(inverse: f64) -> f64 {
-    if inverse > 0.0 && inverse.is_finite() { 1.0 / inverse } else { 0.0 }
-}
-
-/// The larger of two errors; a NaN is worse than any number.
-#[inline]
-pub(super) fn worse(old: f64, new: f64) -> f64 {
-    if new <= old || old.is_nan() { old } else { new }
 }
 
 #[cfg(test)]
@@ -391,12 +381,5 @@ mod tests {
         }
         assert_eq!(all.energy_drift, [0.0, 1.0, 1.0]);
         assert_eq!(all.attitude.unwrap(), [[0.0; 8], [1.0; 8], [1.0; 8]].concat());
-    }
-
-    #[test]
-    fn a_nan_is_worse_than_any_error() {
-        assert_eq!(worse(1.0, 2.0), 2.0);
-        assert_eq!(worse(2.0, 1.0), 2.0);
-        assert!(worse(f64::NAN, 1.0).is_nan() && worse(1.0, f64::NAN).is_nan());
     }
 }

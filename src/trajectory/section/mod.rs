@@ -11,7 +11,7 @@ mod surface_function;
 mod zeros;
 
 use super::adaptive_lanes::AdaptiveLanes;
-use super::states::{invariant_errors, worse};
+use super::states::invariant_errors;
 use super::{Request, check_forced, invariants_at_start, kinds_in};
 use crate::body::Body;
 use crate::call::Call;
@@ -23,6 +23,7 @@ use crate::memory;
 use crate::method::{Method, Step};
 use crate::observe::Observed;
 use crate::parallel::over_blocks;
+use crate::real::larger;
 use crate::scene::TOP;
 use crate::simd::{Isa, LANES};
 use crate::status::{DRIFT_LIMIT, Status};
@@ -527,7 +528,7 @@ impl<'a> SectionJob<'a> {
         }
         let errors = invariant_errors(state, invariants_at_start(&self.lanes.group, lane));
         for [energy, momentum] in errors.into_iter().flatten() {
-            own.energy_drift = worse(own.energy_drift, energy);
+            own.energy_drift = larger(own.energy_drift, energy);
             if own.status == Status::Finished && !(energy <= DRIFT_LIMIT && momentum <= DRIFT_LIMIT) {
                 let finite = energy.is_finite() && momentum.is_finite();
                 own.status = if finite { Status::Drifted } else { Status::NotFinite };

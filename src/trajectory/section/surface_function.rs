@@ -3,8 +3,9 @@
 use super::{NEAR, NOISE, Pointing, Polynomial, Side, Surface, SurfaceKind, TERMS, Zero};
 use crate::body::{Body, VERTICAL};
 use crate::forces::{BodyForces, MOST_STATES, Orbit, SMALL_STATE, conic_sign};
+use crate::inertia::moment_range;
 use crate::kernel::{AdaptiveSteps, Group, System};
-use crate::kinematics::cross;
+use crate::kinematics::{cross, length};
 use crate::simd::{LANES, Row, set_lane};
 
 /// A polynomial in the time: coefficients of its powers.
@@ -126,8 +127,7 @@ impl SurfaceFunction {
         self.square.0[lane] = square;
         self.value.0[lane] = value;
         self.side[lane] = None;
-        let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let [_, largest] = body.moment_range();
+        let [_, largest] = moment_range(body.moments);
         let of_momentum = length(&momentum) * (largest * rate + length(&rotor));
         let of_speed = square.abs() * rate * rate;
         let of_pointing = if self.kind.pointing.is_some() { 1.0 } else { 0.0 };
@@ -135,7 +135,8 @@ impl SurfaceFunction {
         for (factor, start) in states.iter().zip(forces.states()) {
             of_states += factor.abs() * start.abs().max(SMALL_STATE[1]);
         }
-        let of_rates = length(&normal[..3]) * rate + length(&normal[3..]);
+        let [a, b, c, x, y, z] = normal;
+        let of_rates = length(&[a, b, c]) * rate + length(&[x, y, z]);
         let scale = of_rates + of_momentum + of_speed + of_states + of_pointing;
         self.scale.0[lane] = if self.kind.of_rate { scale * rate } else { scale + value.abs() };
     }
