@@ -173,7 +173,11 @@ impl<R: Real> Applied<R> {
     /// The same at a state with a quaternion, and the rates of change of the states of the functions; `None` of a layout
     /// without a function.
     #[inline(always)]
-    pub(super) fn returned<L: Layout, const D: usize>(&self, y: &[R; D]) -> Option<Returned<R>> {
+    pub(super) fn returned<L: Layout, const D: usize>(
+        &self,
+        torques: &Torques<R>,
+        y: &[R; D],
+    ) -> Option<Returned<R>> {
         if !L::FUNCTION {
             return None;
         }
@@ -193,7 +197,7 @@ impl<R: Real> Applied<R> {
             }
         }
         let trajectory = &self.forces.trajectory;
-        let place = if trajectory.acts() {
+        let place = if torques.on_trajectory && trajectory.acts() {
             trajectory.place(time)
         } else {
             self.forces.further.orbit.place([y[L::OWN_AT], y[L::OWN_AT + 1]])

@@ -91,7 +91,7 @@ impl<R: Real> Applied<R> {
         y: &[R; D],
     ) -> FurtherRate<R> {
         if L::TURNS {
-            let (rows, returned) = (in_rows::<L, R, D>(y), self.returned::<L, D>(y));
+            let (rows, returned) = (in_rows::<L, R, D>(y), self.returned::<L, D>(torques, y));
             self.further_rate::<M, L::Rows, ROWS_LEN>(model, torques, &rows, returned)
         } else {
             self.further_rate::<M, L, D>(model, torques, y, None)
