@@ -36,7 +36,7 @@ OF_KERNELS = "rigid::kernel::registry::kernels_of::"
 SHARED = re.compile(
     r"as rigid::real::Real>::outlined::outlined::"
     r"<rigid::(observe::((bounds::)?Look|MotionInside)|method::(taylor::Expansion|midpoint::TorqueInTheMiddle)"
-    r"|forces::trajectory::Place)<"
+    r"|forces::trajectory::PlaceOfRoot)<"
 )
 # What a kernel may call, and why.
 ALLOWED = {

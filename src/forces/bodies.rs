@@ -3,8 +3,8 @@
 use super::body_rows::{BodyRows, copied};
 use super::table::{self, Knot, Samples};
 use super::{
-    AtStart, Bounded, Damping, FEWEST_STEPS, Further, MOST_STATES, Modes, Rotor, Table, TorqueCall,
-    TorqueCalls, TorqueFunction, Trajectory, part,
+    AtStart, Bounded, Damping, FEWEST_STEPS, Further, MOST_STATES, Modes, PlaceOfRoot, Rotor, Table,
+    TorqueCall, TorqueCalls, TorqueFunction, Trajectory, part,
 };
 use crate::error::{Error, refuse};
 use crate::inertia::moment_range;
@@ -464,7 +464,7 @@ impl<'a> BodyForces<'a> {
     pub fn place(&self, time: f64) -> [f64; 3] {
         let trajectory = self.table.trajectory.polynomial(time, false, self.table.doubt);
         if trajectory.acts() {
-            return trajectory.place(0.0);
+            return f64::outlined(PlaceOfRoot(trajectory.root(0.0)));
         }
         let mut variables = [0.0; 2];
         self.further.orbit.start(time, &mut variables);

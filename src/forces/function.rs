@@ -1,5 +1,6 @@
 //! A torque that a function of the user returns, known by its address.
 
+use super::PlaceOfRoot;
 use super::body_rows::BodyRows;
 use crate::error::{Error, refuse};
 use crate::kinematics::{attitude_of_rows, dot, squared_length};
@@ -507,7 +508,7 @@ impl<R: Real> TorqueCalls<'_, R> {
     pub fn torques(&self, time: R, omega: &[R; 3], attitude: &[R; 4]) -> [R; 3] {
         if self.are_long() {
             let zero = R::splat(0.0);
-            return self.returned(time, omega, attitude, &[zero; MOST_STATES], &[zero; 3]).torque;
+            return self.returned(time, omega, attitude, &[zero; MOST_STATES], (&[zero; 3], false)).torque;
         }
         let mut returned = [[0.0; EIGHT]; 3];
         let told = self.told::<STATES>(time, omega, attitude);
@@ -515,7 +516,8 @@ impl<R: Real> TorqueCalls<'_, R> {
         self.in_units(&returned)
     }
 
-    /// The same, and the rates of change of the states, of functions that are told states and places too.
+    /// The same, and the rates of change of the states, of functions that are told states and places too; or of places
+    /// along a trajectory the root of the gradient.
     #[inline(always)]
     pub fn returned(
         &self,
@@ -523,7 +525,7 @@ impl<R: Real> TorqueCalls<'_, R> {
         omega: &[R; 3],
         attitude: &[R; 4],
         states: &[R; MOST_STATES],
-        place: &[R; 3],
+        (place, of_root): (&[R; 3], bool),
     ) -> Returned<R> {
         let mut told = self.told::<ALL>(time, omega, attitude);
         for k in 0..MOST_STATES {
@@ -531,6 +533,13 @@ impl<R: Real> TorqueCalls<'_, R> {
         }
         for k in 0..3 {
             place[k].store(&mut told.numbers[PLACE + k]);
+        }
+        if of_root {
+            // Here nothing is left in registers that the call would spill in every step.
+            let place = R::outlined(PlaceOfRoot(*place));
+            for k in 0..3 {
+                place[k].store(&mut told.numbers[PLACE + k]);
+            }
         }
         let mut returned = [[0.0; EIGHT]; 3 + MOST_STATES];
         self.rows.call([self.at, R::LANES], &told, &mut returned);
@@ -752,8 +761,13 @@ mod tests {
         let mut rows = TorqueRows::with_room(0).unwrap();
         rows.set(2, Some(made.of(1)));
         let calls = rows.of::<f64>(2).unwrap();
-        let found =
-            calls.returned(0.0, &[0.0; 3], &[1.0, 0.0, 0.0, 0.0], &made.of(1).start(), &[7.0, 8.0, 9.0]);
+        let found = calls.returned(
+            0.0,
+            &[0.0; 3],
+            &[1.0, 0.0, 0.0, 0.0],
+            &made.of(1).start(),
+            (&[7.0, 8.0, 9.0], false),
+        );
         assert_eq!((found.torque, found.states[0]), ([2.5, 4.0, 5.5], 10.0));
         assert!(calls.are_long() && found.states[1].is_nan() && found.states[2..] == [0.0; 6]);
         // SAFETY: nothing is called.

@@ -36,7 +36,7 @@ pub use place::{Along, OrbitPlace, StepAlong};
 pub use rotor::Rotor;
 pub use set::ForceSet;
 pub use table::{Samples, Table, add_space_torque, spline};
-pub use trajectory::{Trajectory, TrajectorySeries};
+pub use trajectory::{PlaceOfRoot, Trajectory, TrajectorySeries};
 
 use crate::dual::Dual;
 use crate::error::{Error, refuse};

@@ -39,14 +39,14 @@ fn add_gradient<R: Real>([i1, i2, i3]: &[R; 3], products: &[R; 3], torque: &mut 
     torque[2] = (*i2 - *i1).fma(products[2], torque[2]);
 }
 
-/// The place where c in space is this, in a function of its own.
-struct Place<R>([R; 3]);
+/// The place in space where c is this, over the length `gm^(1/3)`; zero where c is. In a function of its own.
+pub struct PlaceOfRoot<R>(pub [R; 3]);
 
-impl<R: Real> Outlined for Place<R> {
+impl<R: Real> Outlined for PlaceOfRoot<R> {
     type Out = [R; 3];
     #[inline(always)]
     fn run(self) -> [R; 3] {
-        let (Place(mut place), zero) = (self, R::splat(0.0));
+        let (PlaceOfRoot(mut place), zero) = (self, R::splat(0.0));
         let square = dot(&place, &place);
         let distance = exp(ln(R::splat(3.0) / square) * R::splat(1.0 / 3.0));
         let scale = R::select(zero.lt(square), distance / square.sqrt(), zero);
@@ -85,18 +85,12 @@ impl<R: Real> Trajectory<R> {
 
     /// c in space at a time.
     #[inline(always)]
-    fn root(&self, time: R) -> [R; 3] {
+    pub fn root(&self, time: R) -> [R; 3] {
         let [mut sum, .., last] = self.0;
         for i in 0..3 {
             sum[i] = time.fma(time.fma(time.fma(last[i], self.0[2][i]), self.0[1][i]), sum[i]);
         }
         sum
-    }
-
-    /// The place in space at a time, over the length `gm^(1/3)`; zero without a trajectory.
-    #[inline(always)]
-    pub fn place(&self, time: R) -> [R; 3] {
-        R::outlined(Place(self.root(time)))
     }
 
     /// Adds the torque at a state and a time to `torque`.

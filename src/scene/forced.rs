@@ -197,12 +197,13 @@ impl<R: Real> Applied<R> {
             }
         }
         let trajectory = &self.forces.trajectory;
-        let place = if torques.on_trajectory && trajectory.acts() {
-            trajectory.place(time)
+        let of_root = torques.on_trajectory && trajectory.acts();
+        let place = if of_root {
+            trajectory.root(time)
         } else {
             self.forces.further.orbit.place([y[L::OWN_AT], y[L::OWN_AT + 1]])
         };
-        Some(functions.returned(time, &omega, &attitude, &states, &place))
+        Some(functions.returned(time, &omega, &attitude, &states, (&place, of_root)))
     }
 
     /// Applied torque with damping, at a state.

@@ -185,7 +185,7 @@ impl Called {
             &std::array::from_fn(|k| each(&|one| one.omega[k])),
             &std::array::from_fn(|k| each(&|one| one.attitude[k])),
             &std::array::from_fn(|k| each(&|one| one.states[k])),
-            &std::array::from_fn(|k| each(&|one| one.place[k])),
+            (&std::array::from_fn(|k| each(&|one| one.place[k])), false),
         );
         let mut values = [0.0; EIGHT];
         returned.torque[0].store(&mut values);
