@@ -19,15 +19,14 @@ from .._checks.inputs import described
 from .._checks.progress import ProgressOption
 from ..drawing.colours import AXES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_text, html_with_picture
-from ..model.batch import Shape
+from ..model.batch import Shape, in_rows
+from ..model.bodies import Bodies, Range, bodies_of, time_ranges
 from ..model.events import Event
 from ..model.frame import attitudes_in_frame, attitudes_in_principal_axes, checked_frame, turned
 from ..model.scene import FreeBody, Scene, scene_from_dict
 from ..rotations.apply import to_space
 from .archive import Archive
-from .arrays import Range, in_rows, time_ranges
 from .attitude_ephemeris import write_aem
-from .bodies import Bodies, bodies_of
 from .columns import Column, Columns, Result, take_numbers
 from .conserved import energy_of, momentum_of, needs_vertical
 from .events import Events
