@@ -17,9 +17,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import exact
+from ._checks.moments import MomentsWarning
 from ._checks.progress import Interrupted, Progress
 from ._core import __version__
-from ._moments import MomentsWarning
 from .citing import cite
 from .info import build_info
 from .maps.replay import Replay

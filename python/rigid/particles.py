@@ -17,11 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, positive_int, shaped, sorted_times, together, vectors
 from ._checks.arrays import Floats
+from ._checks.matrices import rotation_matrices
 from ._checks.overflow import refuses_overflow
 from ._checks.quantities import plain
 from .model.body import Body, require_one
 from .model.scene import FreeBody
-from .rotations.so3 import rotation_matrices
 from .solve.run import Run
 from .solve.simulate import simulate
 

@@ -97,6 +97,8 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "contract/test_what_is_given.py",
     ),
     "_checks/inputs.py": ("cli/test_command_line.py", "maps/test_map_again.py"),
+    "_checks/matrices.py": ("rotations", "particles", "inertia"),
+    "_checks/moments.py": ("inertia", "contract/test_bad_input.py", "solve/test_rods.py"),
     "_checks/progress.py": (
         "contract/test_progress.py",
         "reports/test_revolutions.py",
@@ -105,7 +107,6 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "_energy_loss.py": ("maps/test_satellite_maps.py", "free/test_lasting_rotation.py"),
     "_files.py": ("test_files.py",),
     "_libration.py": ("free/test_free_rotation.py", "solve/test_satellites.py"),
-    "_moments.py": ("inertia", "contract/test_bad_input.py", "solve/test_rods.py"),
     "_timing.py": ("solve/test_cost_of_a_plan.py",),
     "cli/": ("cli",),
     "cli/toml_report.py": ("reports/test_report.py",),

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, one_of, one_time, shaped
 from .._checks.arrays import Floats, attitudes
+from .._checks.moments import refuse_rods
 from .._checks.quantities import plain
 from ..drawing import colours
 from ..drawing.shapes import (
@@ -21,7 +22,7 @@ from ..drawing.shapes import (
     plane_face,
     top_faces,
 )
-from ..model.body import Moments, refuse_rods
+from ..model.body import Moments
 from ..model.scene import FreeBody, HeavyTop, Scene, check_heavy_top, require_unforced
 from ..rotations.apply import to_space
 from .story import Recording, story_of, tilt_of

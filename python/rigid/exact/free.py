@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arrays import Floats, require, vectors
+from .._checks.moments import without_spin
 from .._checks.shown import short_repr
-from .._moments import without_spin
 from ..model.batch import batch_shape, in_rows, rows_of_each
 from ..model.body import Body, rates_of_rods
 from ..model.body_like import body_of

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from .._checks.arguments import first_place
 from .._checks.arrays import Floats
+from .._checks.moments import refuse_rods
 from ..model.batch import in_rows
 from ..model.bodies import lagrange_axes
-from ..model.body import refuse_rods
 from ..model.scene import HeavyTop
 
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arrays import Floats
 from .._checks.float_environment import in_standard_floats
-from .._moments import can_move, rods, without_spin
+from .._checks.moments import can_move, rods, without_spin
 from ..model.bodies import Bodies
 from ..model.body import rates_of_rods
 from ..model.forces import FORCES

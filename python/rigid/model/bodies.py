@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arrays import IDENTITY, AttitudeLike, Floats, attitudes, unit_quaternions, vectors
-from .._moments import hold_rods, without_spin
+from .._checks.moments import hold_rods, refuse_rods, without_spin
 from .batch import Shape, batch_shape, in_rows, rows_of_each
-from .body import rates_of_rods, refuse_rods
+from .body import rates_of_rods
 from .frame import attitudes_in_principal_axes, turned
 from .scene import Scene
 from .torque import NO_EXPONENT, forces_of

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .. import _core
 from .._checks.arguments import finite_float, one_of
 from .._checks.arrays import Floats
-from .._moments import without_spin
+from .._checks.moments import without_spin
 from ..model.batch import in_rows
 from ..model.bodies import Bodies, Range, time_ranges
 from ..model.scene import Scene
