@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -48,6 +48,16 @@ def rods(moments: Floats) -> NDArray[np.bool_]:
 def hold_rods(moments: Floats) -> bool:
     """Whether a rod is among the bodies of these moments, shape (..., 3)."""
     return not moments.all() and bool(rods(moments).any())
+
+
+def symmetry_axis(moments: Sequence[float] | Floats) -> int | None:
+    """The axis 1, 2 or 3 about which two of three moments are exactly equal, or None."""
+    i1, i2, i3 = moments
+    if i1 == i2:
+        return 3
+    if i3 == i1:
+        return 2
+    return 1 if i2 == i3 else None
 
 
 def refuse_rods(moments: Floats) -> None:

@@ -21,6 +21,7 @@ from .._checks.moments import (
     refuse_tensor,
     rods,
     symmetric_tensor,
+    symmetry_axis,
 )
 from .._checks.quantities import LARGE_SIDE, LEAST_DENSITY, without_unit
 from .._checks.warned import warn_caller
@@ -791,12 +792,7 @@ takes such moments as they are
             If there are many bodies.
         """
         require_one(self)
-        i1, i2, i3 = self.moments
-        if i1 == i2:
-            return 3
-        if i3 == i1:
-            return 2
-        return 1 if i2 == i3 else None
+        return symmetry_axis(self.moments)
 
     def to_dict(self) -> dict[str, Any]:
         """The body as a dict of numbers, for JSON; :meth:`from_dict` reads it.

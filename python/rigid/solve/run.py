@@ -20,10 +20,10 @@ from .._checks.progress import ProgressOption
 from ..drawing.colours import AXES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_text, html_with_picture
 from ..model.batch import Shape, in_rows
-from ..model.bodies import Bodies, Range, bodies_of, time_ranges
+from ..model.bodies import Bodies, Range, time_ranges
 from ..model.events import Event
 from ..model.frame import attitudes_in_frame, attitudes_in_principal_axes, checked_frame, turned
-from ..model.scene import FreeBody, Scene, scene_from_dict
+from ..model.scene import Scene, scene_from_dict
 from ..rotations.apply import to_space
 from .archive import Archive
 from .attitude_ephemeris import write_aem
@@ -925,7 +925,7 @@ an accuracy
             bodies = body
         else:
             bodies = (0, 1) if body is None and self.status.shape == (2,) else (body,)
-        recordings = [recording_of(self, one) for one in bodies]
+        recordings = [_recording_of(self, one) for one in bodies]
         if len({len(one.t) for one in recordings}) > 1:
             raise ValueError(f"body = {brief(bodies)}: their records end at different times")
         return animate(
@@ -995,49 +995,12 @@ def states_of(
     return states
 
 
-def recording_of(run: Run, body: int | None = None) -> Recording:
+def _recording_of(run: Run, body: int | None) -> Recording:
     """The motion of one body of a run, for a film."""
-    from ..animation.story import Recording
+    from .recording import recording_of  # it loads what draws
 
     omega, attitude = states_of(run, body)
-    scene, t = scene_of(run, body), run.t[: len(omega)]
-    is_free = isinstance(scene, FreeBody) and not scene.forces and len(t) > 1 and omega[0].any()
-    flip, flips = turns_over(scene, t, omega) if is_free else (np.inf, 0)
-    return Recording(
-        scene=scene,
-        t=t,
-        omega=omega,
-        attitude=attitude,
-        frame=run.frame,
-        flip=flip,
-        flips=flips,
-    )
-
-
-def turns_over(scene: Scene, t: Floats, omega: Floats) -> tuple[float, int]:
-    """When a free body first turns over, and how many times it does, by the closed form.
-
-    A body turns over when the rate along the axis of its first spin changes its sign; the times
-    of a film may be too far apart to show it.
-
-    Examples
-    --------
-    >>> import numpy as np, rigid
-    >>> from rigid.solve.run import turns_over
-    >>> box = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
-    >>> run = rigid.simulate(box, [0.01, 10.0, 0.01], t=[0.0, 4.1])
-    >>> first, count = turns_over(box, run.t, run.omega)
-    >>> round(first, 3), count
-    (1.202, 2)
-    """
-    span = float(t[-1] - t[0])
-    axis = int(np.abs(omega[0]).argmax()) + 1
-    bodies = bodies_of(scene, omega[0], None, rod=True)
-    first, second = bodies.in_axes(_core.flip_times(bodies, axis, 2)).tolist()
-    at = float(t[0]) + first
-    if first > span:
-        return at, 0
-    return at, 1 + int((span - first) / (second - first))  # the times are equally spaced
+    return recording_of(scene_of(run, body), run.t[: len(omega)], omega, attitude, run.frame)
 
 
 def to_run(
