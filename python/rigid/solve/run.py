@@ -37,6 +37,7 @@ from .solution import COLUMNS, Solution, end_records, solve
 from .status import (
     COARSE_ERROR,
     Status,
+    ending,
     error_limit,
     is_accurate,
     sentences,
@@ -62,27 +63,6 @@ _ROUNDING_OF_TURN = 1e-15
 
 _SURPRISING_ERROR = 1e-6
 """A run says what the word ``ok`` allows if an error of these bodies is larger."""
-
-_STATUS_WORDS: Mapping[Status, str] = {
-    Status.OK: "ok",
-    Status.STOPPED: "stopped with its last event",
-    Status.STEP_LIMIT: (
-        "step limit: it needs more than max_steps steps; raise max_steps, take longer steps or a "
-        "method of higher order"
-    ),
-    Status.NOT_FINITE: "not finite: a number overflowed; take shorter steps or other units",
-    Status.DRIFTED: (
-        f"drifted: energy, momentum or a length is off by more than {_core.DRIFT_LIMIT:g}; take "
-        "shorter steps or a method of higher order"
-    ),
-    Status.UNCHECKED: ("unchecked: its error was not estimated; leave out check=False"),
-}
-
-
-_DEAD_ZONE = (
-    "; a torque that jumps where a rate changes its sign, such as -sign(omega), needs a dead zone: "
-    "a range of rates in which it rises evenly"
-)
 
 
 # Not frozen: a frozen object takes twice as long to make.
@@ -428,40 +408,8 @@ class Run(Result):
         flagged: the estimated error is 1 or more from t = 50.8 on; end the run earlier or ask for \
 an accuracy
         """
-        return sentences(self._words, self.status, self.error, self.lost_from)
-
-    def _words(self, code: int, error: float, since: float) -> str:
-        """A sentence: how a body ended, and the remedy."""
-        status = Status(code)
-        if status == Status.STEP_LIMIT and "function" in self._scene.forces:
-            return _STATUS_WORDS[status] + _DEAD_ZONE
-        if status not in (Status.FLAGGED, Status.COARSE):
-            return _STATUS_WORDS[status]
-        cure = self._cure()
-        if status == Status.COARSE:
-            return f"coarse: the estimated error is {error:.1e}; {cure}"
-        if np.isfinite(since):
-            return f"flagged: the estimated error is 1 or more from t = {since:.4g} on; {cure}"
-        words = f"flagged: the estimated error is {error:.1e}, above the {self._limit:g} asked for"
-        return f"{words}; {cure} or ask for a larger error"
-
-    def _cure(self) -> str:
-        """The remedy against an error."""
-        spec = self.spec
-        asked = spec.get("asked")
-        if spec["method"] == EXACT:
-            return "rounding makes it, so shorter steps do not help: end the run earlier"
-        if spec["tolerance"] is not None and asked is None:
-            return (
-                "chaos or rounding makes it, a smaller tolerance does not help: end the run earlier"
-            )
-        if spec["tolerance"] is not None and spec["accuracy"] is None:
-            return "end the run earlier or lower the tolerance"
-        if spec["accuracy"] is None:
-            return "end the run earlier or ask for an accuracy"
-        if asked:
-            return f"shorter steps of {spec['method']} do not help: leave out the method"
-        return "shorter steps do not help: end the run earlier"
+        words = partial(ending, self.spec, self._scene.forces)
+        return sentences(words, self.status, self.error, self.lost_from)
 
     def at(self, t: ArrayLike) -> Run:
         """The run at other output times between its first and its last, with the errors there.
