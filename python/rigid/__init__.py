@@ -92,7 +92,8 @@ from .solve.lyapunov import lyapunov
 from .solve.methods import Method, methods
 from .solve.motion import Motion
 from .solve.plan import Plan
-from .solve.run import OrbitStates, Run, load_run
+from .solve.run import OrbitStates, Run
+from .solve.saved import load_run
 from .solve.simulate import simulate
 from .solve.status import Status
 from .solve.tangent import condition

@@ -96,6 +96,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "contract/test_notebook.py",
         "contract/test_what_is_given.py",
     ),
+    "_archive.py": ("solve/test_runs_kept.py",),
     "_checks/inputs.py": ("cli/test_command_line.py", "maps/test_map_again.py"),
     "_checks/matrices.py": ("rotations", "particles", "inertia"),
     "_checks/moments.py": ("inertia", "contract/test_bad_input.py", "solve/test_rods.py"),
@@ -224,7 +225,6 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "solve/test_torque_and_damping.py",
         "solve/test_times.py",
     ),
-    "solve/archive.py": ("solve/test_runs_kept.py",),
     "solve/arcs.py": ("solve/test_gyroscopes.py",),
     "solve/attitude_ephemeris.py": (
         "solve/test_attitude_ephemeris.py",
@@ -256,6 +256,8 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "solve/test_runs_kept.py",
         "contract/test_notebook.py",
     ),
+    "solve/recording.py": ("animation/test_story.py", "animation/test_animation.py"),
+    "solve/saved.py": ("solve/test_runs_kept.py",),
     "solve/surfaces.py": (
         "sections/test_poincare.py",
         "solve/test_events.py",

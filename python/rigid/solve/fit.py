@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .._archive import write_archive
 from .._checks.arguments import brief, shaped, sorted_times, vector
 from .._checks.arrays import Floats
 from .._checks.moments import refuse_rods
@@ -24,7 +25,6 @@ from ..model.body import Body
 from ..model.frame import checked_frame
 from ..model.parameters import PARAMETERS
 from ..model.scene import Scene, check_scene
-from .archive import write_archive
 from .arcs import Arcs, largest_of, overtaken
 from .least_squares import UNTOLD, Minimum
 from .unknowns import BIAS, DAMPING, MOMENTS, RATIOS, SCALE, SENSOR, START, Unknowns

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -13,19 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, one_line, one_of, one_time, resolve_threads
+from .._checks.arguments import brief, one_of, one_time, resolve_threads
 from .._checks.arrays import Floats, finite_array
-from .._checks.inputs import described
 from .._checks.progress import ProgressOption
 from ..drawing.colours import AXES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_text, html_with_picture
 from ..model.batch import Shape, in_rows
 from ..model.bodies import Bodies, Range, time_ranges
-from ..model.events import Event
 from ..model.frame import attitudes_in_frame, attitudes_in_principal_axes, checked_frame, turned
-from ..model.scene import Scene, scene_from_dict
+from ..model.scene import Scene
 from ..rotations.apply import to_space
-from .archive import Archive
 from .attitude_ephemeris import write_aem
 from .columns import Column, Columns, Result, take_numbers
 from .conserved import energy_of, momentum_of, needs_vertical
@@ -1034,95 +1030,3 @@ def _turned_tangent(axes: Floats, matrices: Floats) -> Floats:
     """Matrices (..., 6, 6) with both their rows and their columns in turned axes."""
     rows = _turned_rows(axes, matrices)
     return np.swapaxes(_turned_rows(axes, np.swapaxes(rows, -1, -2)), -1, -2)
-
-
-def load_run(path: str | PathLike[str]) -> Run:
-    """Read a run that :meth:`Run.save` wrote.
-
-    Parameters
-    ----------
-    path : path-like
-
-    Returns
-    -------
-    Run
-
-    Raises
-    ------
-    ValueError
-        Naming the path, if the file is damaged or no run.
-    OSError
-        If the file cannot be read.
-
-    Examples
-    --------
-    >>> import os, tempfile, rigid
-    >>> run = rigid.simulate(rigid.Body((1.0, 2.0, 3.0)), [0.1, 1.0, 0.1], t=[0.0, 5.0])
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     again = rigid.load_run(run.save(os.path.join(folder, "run.npz")))
-    >>> bool((again.omega == run.omega).all())
-    True
-    """
-    name = os.fspath(path)
-    os.stat(name)
-    what = described(name)
-    if "load_run" not in what:
-        raise ValueError(f"path = {name!r}: is no run that rigid has saved, it is {what}")
-    try:
-        with open(name, "rb") as file:
-            archive = Archive(file)
-            arrays = {key: archive.read(key) for key in archive.names}
-        header = json.loads(str(arrays.pop("header")))
-        known = header.pop("format")
-        if known == FORMAT:
-            return _run_of(arrays, header)
-    except Exception as error:  # the file may hold anything
-        raise ValueError(f"path = {name!r}: is a damaged run ({one_line(error)})") from None
-    raise ValueError(
-        f"path = {name!r}: has the format {known!r}, known is {FORMAT!r}: read it with the version "
-        "of rigid that wrote it, or compute the run again"
-    )
-
-
-def _run_of(arrays: dict[str, NDArray[Any]], header: dict[str, Any]) -> Run:
-    """The run of the arrays and the header of a file."""
-    if strange := [name for name, array in arrays.items() if array.dtype.kind not in "bfiu"]:
-        raise ValueError(f"{strange[0]} has no numbers")
-    known = Run._known()
-    watched = header.get("events", [])
-    of_events = [
-        {
-            name: arrays.pop(f"events{k}_{name}")
-            for name in Events._known()
-            if name != "states" or f"events{k}_states" in arrays
-        }
-        for k in range(len(watched))
-    ]
-    if unknown := arrays.keys() - known.keys():
-        raise ValueError(f"unknown arrays {sorted(unknown)}")
-    scene_from_dict(header["spec"]["scene"])
-    if "frame" in header["spec"]:
-        checked_frame(header["spec"]["frame"])
-    for name in ("t", "omega", "start_omega", "start_attitude", "status", "error"):
-        if name not in arrays:
-            raise ValueError(f"no array {name!r}")
-    sizes = {"t": arrays["t"].shape[-1], "axis": 3, "part": 4}
-    for name, array in arrays.items():
-        axes = known[name].axes[1:]
-        own = array.shape[array.ndim - len(axes) :]
-        wanted = tuple(sizes.get(axis, size) for axis, size in zip(axes, own, strict=True))
-        if own != wanted:
-            raise ValueError(f"{name}: expected shape (..., {brief(wanted)[1:]}, got {own}")
-    shape = arrays["status"].shape
-    events = tuple(
-        Events(Event.from_dict(entries), _columns=Events._rows_of(rows, shape), _shape=shape)
-        for entries, rows in zip(watched, of_events, strict=True)
-    )
-    return Run(
-        _shape=shape,
-        _columns={"nanoseconds": int(header["nanoseconds"]), **Run._rows_of(arrays, shape)},
-        _parameters=tuple(header["parameters"]),
-        _events=events,
-        _spec=Lazy.of(header["spec"]),
-        _plan=Lazy.of(Plan.from_dict(header["plan"])),
-    )
