@@ -21,6 +21,7 @@ from ._checks.moments import MomentsWarning
 from ._checks.progress import Interrupted, Progress
 from ._core import __version__
 from .citing import cite
+from .fits.fit import Fit, FitWarning, fit
 from .info import build_info
 from .maps.replay import Replay
 from .maps.samples import Outcomes, Starts
@@ -85,7 +86,6 @@ from .sections.surface import Section, section
 from .solve.attitude_ephemeris import AttitudeEphemeris, load_aem
 from .solve.chunks import simulate_chunks
 from .solve.events import Events
-from .solve.fit import Fit, FitWarning, fit
 from .solve.frequencies import FrequencyDrift, Lines, frequencies, frequency_drift
 from .solve.growth import Growth, LyapunovTime
 from .solve.lyapunov import lyapunov
