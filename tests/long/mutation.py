@@ -213,7 +213,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "maps/test_map_grid.py",
         "maps/test_map_bad_input.py",
     ),
-    "particles.py": ("particles", "test_springs.py"),
+    "particles/": ("particles", "test_springs.py"),
     "planning.py": ("solve/test_plan.py", "solve/test_cost_of_a_plan.py"),
     "reports/": ("reports/test_report.py", "reports/test_revolutions.py"),
     "reports/stress": ("reports/test_stress.py",),
