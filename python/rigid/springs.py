@@ -18,7 +18,7 @@ from ._checks.arrays import Floats
 from ._checks.quantities import plain
 from .model.body import Body
 from .model.scene import FreeBody
-from .particles import degrees_of_freedom, pairs_of, refuse_coincidence
+from .particles.systems import degrees_of_freedom, pairs_of, refuse_coincidence
 from .solve.simulate import simulate
 
 __all__ = ["Law", "Modes", "PairSystem", "SpringPath", "pair_system", "spring_body"]

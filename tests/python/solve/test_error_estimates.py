@@ -11,7 +11,7 @@ import rigid
 from error_survey import final_error, survey
 from physics import EVERY_METHOD, Floats, Golden, golden, present, rotation_angle, tilted
 from refusals import refuses
-from rigid.solve.arrays import roots
+from rigid.solve.choose_method import roots
 from rigid.solve.methods import series_methods
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))

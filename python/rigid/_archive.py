@@ -17,7 +17,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from .._files import ARRAYS, published
+from ._files import ARRAYS, published
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
