@@ -7,6 +7,7 @@ import math
 import os
 import re
 import signal
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ from rigid.cli import main
 from rigid.cli.toml_report import parse_report, read_report
 from rigid.cli.toml_table import SpecError, names_of
 from rigid.model.scene import Scene
+from rigid.reports import compute
 from rigid.reports.compute import run_report
 from rigid.reports.data import AT_UNCERTAINTY, REFERENCE, USELESS
 from rigid.reports.ensemble import ensemble_of, probe, same_steps
@@ -648,6 +650,28 @@ def test_progress_only_grows_and_ends_at_its_total() -> None:
     done = [progress.done for progress in seen]
     assert done == sorted(set(done))
     assert done[-1] == seen[-1].total == 100
+
+
+def test_stages_share_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 1000 s 150 are for the reference, 200 for a run of each step, the rest for repeats."""
+    ends: dict[str, float] = {}
+    search = compute.find_horizons
+
+    def until(name: str, allowed: Callable[[float], bool]) -> None:
+        ends[name] = max(seconds for seconds in range(0, 1100, 10) if allowed(seconds))
+
+    def find(spec: Any, usable: Any, allowed: Any, told: Any) -> Any:
+        until("reference", allowed)
+        return search(spec, usable, allowed, told)
+
+    monkeypatch.setattr(compute, "find_horizons", find)
+    for name in ("sweep_methods", "time_sweeps"):
+        monkeypatch.setattr(
+            compute, name, lambda _one, _sweeps, allowed, _told, name=name: until(name, allowed)
+        )
+    rigid.report(BOX, THROW, t_end=0.2, methods=["exact"], seconds=1000.0, progress=False)
+    # Up to the few seconds that are gone.
+    assert ends == {"reference": 140, "sweep_methods": 190, "time_sweeps": 990}
 
 
 @pytest.mark.parametrize("until", [1, 30])
