@@ -15,6 +15,16 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "False -> True",
     ): "the flag guards against a fault of ours: nothing writes into the rates of bodies",
     (
+        "reports/ensemble.py",
+        "STEPS = 4",
+        "4 -> 5",
+    ): "the same methods differ in four steps and in five",
+    (
+        "reports/ensemble.py",
+        "scale = np.where(scale > 0.0, scale, np.where(self.rates > 0.0, self.rates, 1.0))",
+        "1.0 -> 2.0",
+    ): "a body that never turns errs by nothing, on any scale",
+    (
         "maps/judge.py",
         '"nanoseconds": np.full(len(flat), 1e9 * (time.thread_time() - began) / len(flat)),',
         "1000000000.0 -> 1000000001.0",
@@ -57,4 +67,6 @@ def why_equivalent(mutant: Mutant) -> str | None:
     module = mutant.path.removeprefix("python/rigid/")
     if "reshape(-1" in mutant.source and mutant.change == "1 -> 2":
         return "NumPy takes each negative length for the one that follows from the others"
+    if "strict=True" in mutant.source and mutant.change == "True -> False":
+        return "zip takes lists of one length, by construction: the flag guards against our faults"
     return EQUIVALENT.get((module, mutant.source, mutant.change))

@@ -7,7 +7,9 @@ import math
 import os
 import re
 import signal
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -93,6 +95,52 @@ def test_a_sweep_out_of_time_has_all_orders_that_rounding_does_not_bend(
         assert len(found) == 5
     # Rounding is at most a tenth of an error that counts.
     np.testing.assert_allclose(found, order, rtol=0.0, atol=math.log2(1.1))
+
+
+@pytest.mark.parametrize(
+    ("first", "errors", "following"),
+    [
+        (100, [1e-2], 200),
+        (100, [1e-3], 200),
+        # Even longer steps would do, if there are any.
+        (100, [0.9e-3], 50),
+        (3, [0.9e-3], 1),
+        (1, [0.9e-3], 2),
+        (100, [1e-2, 1e-9], 400),
+        (100, [1e-2, 0.9e-9], "smallest wanted error"),
+        (100, [1e-2, 1e-12], "reference uncertainty"),
+        # Of the last two none is half of the best before: with short steps, or small errors.
+        (100, [1e-2, 1e-7, 0.6e-7, 0.7e-7], "rounding"),
+        (100, [1e-2, 1e-7, 0.7e-7, 0.6e-7], "rounding"),
+        (100, [1e-2, 1e-7, 0.7e-7, 0.5e-7], 1600),
+        (100, [1e-2, 1e-7, 0.5e-7, 0.7e-7], 1600),
+        (1, [1e-2, 1e-7, 1e-7, 1e-7], 16),
+        (1, [1e-2, 5e-9, 5e-9, 5e-9], "rounding"),
+        (1, [5e-9, 5e-9, 5e-9], "rounding"),
+        (1, [5e-9, 5e-9], 4),
+        (5 * 10**8, [1e-2], 10**9),
+        (5 * 10**8 + 1, [1e-2], "number of steps"),
+    ],
+)
+def test_steps_are_halved_until_nothing_new_would_be_seen(
+    first: int, errors: list[float], following: int | str
+) -> None:
+    """Wanted are errors from 1e-3 to 1e-9; the reference is uncertain by 1e-12."""
+    spec = make_spec(BOX, THROW, t_end=0.5, errors=[1e-3, 1e-9])
+    ensemble = ensemble_of(spec)
+    horizon = Horizon(0.0, ensemble, Reference("exact", 0, 1e-12, 1e-12), None)
+    sweep = Sweep("rk4")
+    # At first about a radian a step.
+    assert sweep.next_steps(horizon) == (math.ceil(ensemble.angle), None)
+    for k, error in enumerate(errors):
+        steps, state = first * 2**k, np.full(spec.bodies, error)
+        sweep.runs[steps] = [Measured(steps, state, state, 0.0, 0.0, call=1.0)]
+    found = sweep.next_steps(horizon)
+    assert (sweep.ended if found is None else found[0]) == following
+    exact = Sweep("exact")
+    assert exact.next_steps(horizon) == (0, None)
+    exact.runs[0] = [Measured(0, state, state, 0.0, 0.0, call=1.0)]
+    assert (exact.next_steps(horizon), exact.ended) == (None, "closed form")
 
 
 def test_errors_are_those_of_the_state_against_the_closed_form(box: rigid.Report) -> None:
@@ -672,6 +720,25 @@ def test_stages_share_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
     rigid.report(BOX, THROW, t_end=0.2, methods=["exact"], seconds=1000.0, progress=False)
     # Up to the few seconds that are gone.
     assert ends == {"reference": 140, "sweep_methods": 190, "time_sweeps": 990}
+
+
+def test_hundredths_are_told_once_and_never_fewer(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[rigid.Progress] = []
+    with compute.hundredths(seen.append, time.perf_counter(), refused=2) as told:
+        for share in (0.0, 0.009, 0.01, 0.019, 0.005, 0.5, 0.999, 1.0, 2.0):
+            told(share)
+    assert [(one.done, one.failures) for one in seen] == [(1, 2), (50, 2), (99, 2), (100, 2)]
+    words: list[str] = []
+
+    @contextmanager
+    def reporting(*_: Any, failed: Callable[[int], str], **__: Any) -> Iterator[None]:
+        words.extend(map(failed, (1, 2)))
+        yield
+
+    monkeypatch.setattr(compute, "reporting", reporting)
+    with compute.hundredths(None, 0.0, refused=0):
+        pass
+    assert words == ["1 method does not apply", "2 methods do not apply"]
 
 
 @pytest.mark.parametrize("until", [1, 30])
