@@ -29,13 +29,14 @@ from rigid.cli.toml_report import parse_report, read_report
 from rigid.cli.toml_table import SpecError, names_of
 from rigid.model.scene import Scene
 from rigid.reports import compute
+from rigid.reports import sweep as sweeping
 from rigid.reports.compute import run_report
 from rigid.reports.data import AT_UNCERTAINTY, REFERENCE, USELESS
 from rigid.reports.ensemble import ensemble_of, probe, same_steps
 from rigid.reports.plot import FAMILIES, OTHERS, family_of, spread
 from rigid.reports.reference import Horizon, Reference, find_reference
 from rigid.reports.spec import ReportSpec, make_spec
-from rigid.reports.sweep import Measured, Sweep
+from rigid.reports.sweep import Measured, Sweep, sweep_methods
 from rigid.solve.methods import run_methods
 
 DOCS = Path(__file__).parents[3] / "docs"
@@ -141,6 +142,35 @@ def test_steps_are_halved_until_nothing_new_would_be_seen(
     assert exact.next_steps(horizon) == (0, None)
     exact.runs[0] = [Measured(0, state, state, 0.0, 0.0, call=1.0)]
     assert (exact.next_steps(horizon), exact.ended) == (None, "closed form")
+
+
+def test_the_cheapest_run_comes_first_and_every_method_runs_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Twice the steps cost twice the time: 0.1, 0.2, ... s for one method, 0.3, 0.6, ... s for two.
+
+    The last runs, of 0.8 s and 1.2 s, would end after the two seconds that there are.
+    """
+    clock, order = [0.0], []
+    cost = {"rk4": 0.1, "dop853": 0.3}
+
+    def measure(_: Horizon, method: str, steps: int, _angle: None) -> Measured:
+        order.append(method)
+        clock[0] += cost[method] * 2.0 ** (order.count(method) - 1)
+        state = np.full(2, 1.0 / steps)
+        return Measured(steps, state, state, 0.0, 0.0, call=1.0)
+
+    monkeypatch.setattr(sweeping, "_measure", measure)
+    monkeypatch.setattr(sweeping.time, "perf_counter", lambda: clock[0])
+    ensemble = ensemble_of(make_spec(BOX, THROW, t_end=0.5, bodies=2, errors=[1e-9]))
+    horizon = Horizon(0.0, ensemble, Reference("exact", 0, 1e-12, 1e-12), None)
+    sweeps, told = [Sweep("rk4"), Sweep("dop853")], []
+    sweep_methods(
+        horizon, sweeps, lambda seconds: clock[0] + seconds < 2.0, lambda: told.append(clock[0])
+    )
+    assert order == ["rk4", "dop853", "rk4", "rk4", "dop853"]
+    np.testing.assert_allclose(told, [0.1, 0.4, 0.6, 1.0, 1.6])
+    assert [sweep.ended for sweep in sweeps] == ["time", "time"]
 
 
 def test_errors_are_those_of_the_state_against_the_closed_form(box: rigid.Report) -> None:

@@ -17,7 +17,8 @@ from refusals import refuses
 from rigid.cli import main
 from rigid.reports import compute, sweep
 from rigid.reports.ensemble import ensemble_of
-from rigid.reports.spec import REVOLUTIONS
+from rigid.reports.reference import Horizon, Reference
+from rigid.reports.spec import REVOLUTIONS, make_spec
 from rigid.reports.table import in_short
 
 Floats = NDArray[np.float64]
@@ -205,6 +206,46 @@ def test_the_phase_of_a_chaotic_motion_is_not_told() -> None:
     assert "The least phase" not in str(none)
     assert "no phase is known" in str(none)
     assert none.plot().shape == (2, 2)
+
+
+@pytest.mark.parametrize(
+    ("errors", "following"),
+    [
+        ([], 16.0),
+        ([(1e-4, 1e-4, 1e-2)], 8.0),
+        ([(1e-3, 1e-4, 1e-2)], 8.0),  # lost
+        ([(1e-4, 1e-4, 1e-2), (0.6e-4, 0.6e-4, 0.6e-2)], "rounding"),
+        ([(1e-4, 1e-4, 1e-2), (0.4e-4, 0.6e-4, 0.6e-2)], 4.0),
+        ([(1e-4, 1e-4, 1e-2), (0.6e-4, 0.4e-4, 0.6e-2)], 4.0),
+        ([(1e-4, 1e-4, 1e-2), (0.6e-4, 0.6e-4, 0.4e-2)], 4.0),
+        # Half of the best before, not of the last one.
+        ([(1e-6, 1e-6, 1e-2), (1e-4, 1e-4, 1e-1), (0.6e-6, 0.6e-6, 0.6e-2)], "rounding"),
+        # Rounding, a lost phase, and one below the uncertainty of the reference show nothing.
+        ([(4e-13, 4e-13, 2.0), (1e-15, 1.0, 1.5)], 4.0),
+        ([(2e-13, 2e-13, 2.0), (1e-15, 1e-15, 1.5)], "rounding"),
+        ([(1e-15, 1e-15, 2e-9), (1e-15, 1e-15, 1e-12)], "rounding"),
+        ([(1e-15, 1e-15, 4e-9), (1e-15, 1e-15, 1e-12)], 4.0),
+        # A lost step after others of use.
+        ([(1e-4, 1e-4, 1e-2), (1e-2, 1e-2, 1e-2)], 4.0),
+        ([(1e-2, 1e-2, 1e-2)] * 9, "shortest step"),
+    ],
+)
+def test_steps_are_halved_until_no_error_falls(
+    errors: list[tuple[float, float, float]], following: float | str
+) -> None:
+    """Of energy, momentum and phase, in steps of 16 rad and shorter, down to 1/16 rad."""
+    ensemble = ensemble_of(make_spec(BODY, OMEGA, revolutions=[10]))
+    horizon = Horizon(10.0, ensemble, Reference("exact", 0, 1e-10, 1e-9), None)
+    one = sweep.Sweep("rk4")
+    for k, (energy, momentum, phase) in enumerate(errors):
+        angle = 2.0 ** (4 - k)
+        steps, state = math.ceil(20.0 * math.pi / angle), np.full(32, phase)
+        one.runs[steps] = [sweep.Measured(steps, state, state, energy, momentum, 1.0, angle)]
+    found = one.next_steps(horizon)
+    if isinstance(following, str):
+        assert (found, one.ended) == (None, following)
+    else:
+        assert found == (math.ceil(20.0 * math.pi / following), following)
 
 
 # What is said of it
