@@ -25,6 +25,41 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "1.0 -> 2.0",
     ): "a body that never turns errs by nothing, on any scale",
     (
+        "reports/stress.py",
+        "return _Truth(run.omega[-1], run.attitude[-1], condition=0.0)",
+        "0.0 -> 1.0",
+    ): "what four roundings change is far below the accuracy",
+    (
+        "reports/stress.py",
+        "return _Truth(*case.truth, condition=0.0)",
+        "0.0 -> 1.0",
+    ): "what four roundings change is far below the accuracy",
+    (
+        "reports/table.py",
+        "small = nanoseconds < 10.0**digits - 0.5",
+        "0.5 -> 1.5",
+    ): "a number next to a power of ten has the same digits in both forms",
+    (
+        "store/resume.py",
+        "shift = (turn.astype(np.uint64) * GOLDEN) >> np.uint64(40)",
+        "40 -> 41",
+    ): "other bits of the product follow no pattern of a grid either",
+    (
+        "store/drive.py",
+        "for future in wait(waiting, timeout=0.1, return_when=FIRST_COMPLETED).done:",
+        "0.1 -> 1.1",
+    ): "how soon a stop is seen, which nothing that is computed depends on",
+    (
+        "store/log.py",
+        "MOST_MEMBER = 2**30",
+        "2 -> 3",
+    ): "no log has so large members: a block is a minute of work",
+    (
+        "store/log.py",
+        "MOST_MEMBER = 2**30",
+        "30 -> 31",
+    ): "no log has so large members: a block is a minute of work",
+    (
         "maps/judge.py",
         '"nanoseconds": np.full(len(flat), 1e9 * (time.thread_time() - began) / len(flat)),',
         "1000000000.0 -> 1000000001.0",

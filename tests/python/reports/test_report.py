@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -36,7 +37,8 @@ from rigid.reports.ensemble import ensemble_of, probe, same_steps
 from rigid.reports.plot import FAMILIES, OTHERS, family_of, spread
 from rigid.reports.reference import Horizon, Reference, find_reference
 from rigid.reports.spec import ReportSpec, make_spec
-from rigid.reports.sweep import Measured, Sweep, sweep_methods
+from rigid.reports.sweep import Measured, Sweep, sweep_methods, time_sweeps
+from rigid.reports.table import time_text
 from rigid.solve.methods import run_methods
 
 DOCS = Path(__file__).parents[3] / "docs"
@@ -171,6 +173,63 @@ def test_the_cheapest_run_comes_first_and_every_method_runs_once(
     assert order == ["rk4", "dop853", "rk4", "rk4", "dop853"]
     np.testing.assert_allclose(told, [0.1, 0.4, 0.6, 1.0, 1.6])
     assert [sweep.ended for sweep in sweeps] == ["time", "time"]
+
+
+@pytest.mark.parametrize(
+    ("work", "steps", "known_until", "times"),
+    [
+        (1e7, 10, math.inf, 1),
+        (4e6, 10, math.inf, 1),
+        (3.9e6, 10, math.inf, 2),
+        (1e6, 10, math.inf, 4),
+        (0.0, 10**3, math.inf, 10**6),  # a thousand million steps in all
+        (0.0, 2 * 10**9, math.inf, 1),
+        (1e6, 10, 1.2, 2),  # a table of the scene that ends before three horizons
+        (1e6, 10, 0.5, 1),
+    ],
+)
+def test_a_timed_call_works_for_four_milliseconds_if_the_scene_goes_so_far(
+    work: float, steps: int, known_until: float, times: int
+) -> None:
+    """The time of a body until the horizon is that of the call over bodies and horizons."""
+    asked: list[int] = []
+
+    class Known:
+        spec = SimpleNamespace(scene=SimpleNamespace(known_until=known_until), t_end=0.5, bodies=8)
+
+        def run(self, method: str, steps: int, *, times: int) -> Any:
+            asked.append(times)
+            return SimpleNamespace(nanoseconds=8e6, steps=np.full(8, times * steps))
+
+    ensemble: Any = Known()
+    spent = sweeping._time_steps(ensemble, "rk4", steps, work)
+    assert asked == [times]
+    assert spent == pytest.approx(8e6 / (8 * times))
+
+
+@pytest.mark.parametrize(("limit", "rounds"), [(60.0, 9), (7.0, 3)])
+def test_rounds_of_timings_go_on_until_nine_or_the_time_is_over(
+    limit: float, rounds: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each of two steps takes a second of 60, or of seven: the fourth round would not end."""
+    ensemble = ensemble_of(make_spec(BOX, THROW, t_end=0.5, bodies=2))
+    state = np.zeros(2)
+    clock = [0.0]
+
+    def spent(*_: object) -> float:
+        clock[0] += 1.0
+        return clock[0]
+
+    monkeypatch.setattr(sweeping, "_time_steps", spent)
+    monkeypatch.setattr(sweeping, "_time_closed_form", spent)
+    monkeypatch.setattr(sweeping.time, "perf_counter", lambda: clock[0])
+    runs = [Measured(steps, state, state, 0.0, 0.0, call=1.0) for steps in (0, 10)]
+    sweeps = [Sweep("exact", {0: [runs[0]]}), Sweep("rk4", {10: [runs[1]]})]
+    told: list[float] = []
+    time_sweeps(ensemble, sweeps, lambda more: clock[0] + more <= limit, told.append)
+    assert [len(run.times) for run in runs] == [rounds, rounds]
+    assert sorted(runs[0].times + runs[1].times) == [*range(1, 2 * rounds + 1)]
+    np.testing.assert_allclose(told, np.arange(2 * rounds) / 18.0)
 
 
 def test_errors_are_those_of_the_state_against_the_closed_form(box: rigid.Report) -> None:
@@ -442,7 +501,12 @@ def test_many_names_are_wrapped(box: rigid.Report) -> None:
     names = tuple(f"method{k}" for k in range(30))
     many = dataclasses.replace(box, same={"rk4": names})
     assert max(map(len, str(many).splitlines())) <= WIDTH
-    assert all(name in str(many) for name in names)
+    lines = str(many).splitlines()
+    first = next(k for k, line in enumerate(lines) if line.startswith("rk4         = method0, "))
+    last = next(k for k, line in enumerate(lines) if line.endswith("method29"))
+    # Further lines begin below the first name.
+    assert all(line[:15].rstrip(" ") == " " * 14 + "m" for line in lines[first + 1 : last + 1])
+    assert " ".join(line.strip() for line in lines[first : last + 1])[14:] == ", ".join(names)
 
 
 def timed(box: rigid.Report, times: dict[str, list[float]]) -> rigid.Report:
@@ -560,6 +624,95 @@ def test_the_cost_of_an_error_lies_between_the_steps_around_it(box: rigid.Report
     costs = {method: box.cost(method, 1e-3) for method in box.methods}
     assert box.cheapest(1e-3)[0] == min(costs, key=lambda name: costs[name] or math.inf)
     assert set(box.cheapest(1e-3, schemes=True)) <= {"rk4", "splitting"}
+
+
+def test_a_cost_is_interpolated_in_the_logarithms_of_error_and_time(box: rigid.Report) -> None:
+    """Of the order 2: a tenth of the error takes the root of ten times as long."""
+    (like,) = box.of("exact")
+    times = (100.0, 1000.0)
+    rows = [
+        dataclasses.replace(
+            like, method="rk4", nanoseconds=time, error=1.0 / time**2, spread=spread * time, mark=""
+        )
+        for time, spread in zip(times, (0.02, 0.01), strict=True)
+    ]
+    report = dataclasses.replace(box, rows=tuple(rows), same={})
+    for error, cost in ((0.5, 100.0), (1e-4, 100.0), (1e-5, 10**2.5), (1e-6, 1000.0)):
+        assert report.cost("rk4", error) == pytest.approx(cost)
+    assert report.cost("rk4", 0.9e-6) is None
+    # The scatter is that of the row around it that scatters more.
+    assert report._cost("rk4", 1e-5) == pytest.approx((10**2.5, 0.02 * 10**2.5))
+    lost = dataclasses.replace(rows[0], error=math.inf)
+    assert dataclasses.replace(report, rows=(lost, rows[1])).cost("rk4", 1e-5) == 1000.0
+
+
+@pytest.mark.parametrize(
+    ("nanoseconds", "digits", "words"),
+    [
+        (0.012345, 3, "0.0123"),
+        (99.96, 3, "100"),
+        (999.4, 3, "999"),
+        (999.6, 3, "1,000"),
+        (12345.6, 3, "12,346"),
+        (9.4, 1, "9"),
+        (9.6, 1, "10"),
+        (67.8, 1, "68"),
+    ],
+)
+def test_times_have_three_digits_or_all_before_the_point(
+    nanoseconds: float, digits: int, words: str
+) -> None:
+    assert time_text(nanoseconds, digits) == words
+
+
+def test_a_row_of_the_front_shows_its_numbers(box: rigid.Report) -> None:
+    (like,) = box.of("exact")
+    row = dataclasses.replace(
+        like,
+        method="rk4",
+        steps=1234567,
+        angle=0.123456,
+        nanoseconds=12345.6,
+        spread=67.8,
+        error=1.234e-4,
+        worst=5.67e-3,
+        energy_drift=7.6e-9,
+        momentum_drift=math.inf,
+        order=3.97,
+        mark="",
+    )
+    least = dataclasses.replace(
+        like,
+        method="dop853",
+        nanoseconds=99999.9,
+        spread=None,
+        error=1e-9,
+        worst=2e-8,
+        energy_drift=6e-15,
+        momentum_drift=math.inf,
+        mark=AT_UNCERTAINTY,
+    )
+    errors = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
+    spec = dataclasses.replace(box.spec, errors=errors)
+    report = dataclasses.replace(box, spec=spec, rows=(row, least), rounds=3, same={})
+    front = str(report).partition("\nfront")[2].splitlines()
+    assert [line.split() for line in front[2:]] == [
+        ["rk4", "1,234,567", "0.12", "12,346", "68", "1.2e-04", "5.7e-03", "8e-09", "-"],
+        ["dop853", "0", "-", "100,000", "-", "<1.0e-09", "2.0e-08", "6e-15", "-"],
+    ]
+    # Four errors stand side by side, and the fifth in a table of its own.
+    one, other = (part.splitlines() for part in str(report).split("\n\n")[1:3])
+    assert one[1].split() == ["order", "1e-01", "1e-02", "1e-03", "1e-04"]
+    assert other[1].split() == ["order", "1e-05"]
+    assert one[2].split()[:4] == ["rk4", "4", "4.0", "12,346*"]
+    assert one[3].split()[:3] == ["dop853", "8", "-"]
+
+
+def test_a_long_reason_is_cut_to_a_hundred_characters(box: rigid.Report) -> None:
+    for count, shown in ((100, "x" * 100), (101, "x" * 97 + "...")):
+        refused = {"dmv2": f"method = 'dmv2': {'x' * count}; take another"}
+        text = unwrapped(str(dataclasses.replace(box, refused=refused)))
+        assert f"\nnot for     dmv2: {shown}\n" in text
 
 
 def test_the_table_names_methods_reference_and_wanted_errors(box: rigid.Report) -> None:

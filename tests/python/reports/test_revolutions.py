@@ -274,6 +274,18 @@ def test_the_common_time_is_the_least_that_every_method_needs(free: rigid.Report
     assert free.common_time in {row.nanoseconds for row in free.rows}
 
 
+@pytest.mark.parametrize(("longer", "horizon"), [(4, 100), (3, 100), (2, 10), (0, 10)])
+def test_the_horizon_is_what_three_of_four_steps_were_run_over(
+    free: rigid.Report, longer: int, horizon: float
+) -> None:
+    steps = [row for row in free.rows if row.method == "rk4" and row.revolutions == 10][:4]
+    further = [one for step in steps[:longer] for one in free.growth(step)[1:2]]
+    some = dataclasses.replace(free, rows=(*steps, *further))
+    assert len(steps) == 4
+    assert some.horizon == horizon
+    assert {row.revolutions for row in some.of("rk4")} == {horizon}
+
+
 def test_the_front_is_not_dominated(free: rigid.Report) -> None:
     front = free.front("phase")
     assert front
