@@ -20,7 +20,7 @@ from scipy.optimize import minimize
 
 import rigid
 from interrupts import sigint
-from physics import ROUNDOFF, golden_scene, rotation_angle
+from physics import ROUNDOFF, Floats, golden_scene, rotation_angle
 from printed_text import refused_in, unwrapped
 from processes import Capture
 from refusals import refuses
@@ -30,12 +30,13 @@ from rigid.cli.toml_report import parse_report, read_report
 from rigid.cli.toml_table import SpecError, names_of
 from rigid.model.scene import Scene
 from rigid.reports import compute
+from rigid.reports import reference as referring
 from rigid.reports import sweep as sweeping
 from rigid.reports.compute import run_report
 from rigid.reports.data import AT_UNCERTAINTY, REFERENCE, USELESS
 from rigid.reports.ensemble import ensemble_of, probe, same_steps
 from rigid.reports.plot import FAMILIES, OTHERS, family_of, spread
-from rigid.reports.reference import Horizon, Reference, find_reference
+from rigid.reports.reference import Horizon, Reference, find_horizons, find_reference
 from rigid.reports.spec import ReportSpec, make_spec
 from rigid.reports.sweep import Measured, Sweep, sweep_methods, time_sweeps
 from rigid.reports.table import time_text
@@ -315,6 +316,126 @@ def test_the_reference_is_not_converged_in_no_time_and_says_so() -> None:
     off = np.maximum(*ensemble.distance(short, truth))
     assert np.median(off) <= hasty.uncertainty
     assert hasty.uncertainty > 1e-4
+
+
+class Converging:
+    """An ensemble whose runs of n and 2 n steps are apart as told; a run is its number of steps."""
+
+    angle, rates = 10.0, np.array([0.0, 0.0])
+    spec = SimpleNamespace(t_end=1.0)
+
+    def __init__(self, apart: list[float], fewest: int = 1) -> None:
+        self._apart, self._fewest = apart, fewest
+        self.runs: list[int] = []
+
+    def run(self, method: str, steps: int) -> Any:
+        assert method == "taylor26"
+        if steps < self._fewest:
+            raise ValueError("so long a step is unstable")
+        self.runs.append(steps)
+        return steps
+
+    def distance(self, before: int, after: int) -> tuple[Floats, Floats]:
+        assert after == 2 * before
+        apart = self._apart[len(self.runs) - 2]
+        return np.array([apart, 4.0 * apart]), np.zeros(2)
+
+
+@pytest.mark.parametrize(
+    ("apart", "steps", "error"),
+    [
+        # The last two runs are as far apart as rounding drives them: of the run before, both.
+        ([1e-3, 1e-8, 1e-12, 2e-12], 160, 2e-12),
+        ([1e-3, 1e-8, 2e-12, 1e-12], 160, 2e-12),
+        ([1e-3, 1e-8, 1e-12, 0.4e-12, 0.3e-12], 320, 0.4e-12),
+        # Not before three are compared, nor above a millionth: the medians are 2.5 times these.
+        ([1e-12, 1e-12, 1e-12], 80, 1e-12),
+        ([2e-6, 1e-6, 1e-6, 3e-7, 3e-7], 320, 3e-7),
+    ],
+)
+def test_a_reference_has_converged_where_half_the_step_brings_nothing_new(
+    apart: list[float], steps: int, error: float
+) -> None:
+    """From half a radian a step, that is 20 steps of 10 rad."""
+    ensemble: Any = Converging(apart)
+    found, truth = find_reference(ensemble, ["rk4", "taylor26", "dop853"], lambda _: True)
+    assert ensemble.runs == [20 * 2**k for k in range(len(apart) + 1)]
+    assert (found.method, found.steps, truth) == ("taylor26", steps, steps)
+    assert (found.uncertainty, found.worst) == (pytest.approx(2.5 * error), 4.0 * error)
+
+
+def test_a_reference_ends_when_the_next_run_would_take_too_long(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A run of n steps takes n s, and the next one twice as long; two comparisons are made."""
+    ensemble: Any = Converging([1e-3, 1e-5, 1e-7, 1e-9], fewest=50)
+    monkeypatch.setattr(referring.time, "perf_counter", lambda: float(sum(ensemble.runs)))
+    asked: list[float] = []
+
+    def allowed(seconds: float) -> bool:
+        asked.append(seconds)
+        return seconds < 1000.0
+
+    found, truth = find_reference(ensemble, ["taylor26"], allowed)
+    # 20 and 40 steps are too few.
+    assert ensemble.runs == [80, 160, 320, 640]
+    assert asked == [640.0, 1280.0]
+    assert (found.steps, truth) == (640, 640)
+    assert found.worst == pytest.approx(4e-7)
+    # Rounding is 1e-15 of a radian, and of each that is turned.
+    exact: Any = Converging([0.0] * 3)
+    exact.rates = np.array([1.0, 5.0])
+    found, _ = find_reference(exact, ["taylor26"], lambda _: True)
+    assert (found.uncertainty, found.worst) == (pytest.approx(4e-15), pytest.approx(6e-15))
+
+
+def test_a_method_that_takes_no_step_is_no_reference() -> None:
+    """Steps of 10 rad are halved down to a sixteenth of a radian."""
+    ensemble: Any = Converging([], fewest=10**9)
+    with pytest.raises(ValueError, match="unstable"):
+        find_reference(ensemble, ["taylor26"], lambda _: True)
+    shortest: Any = Converging([0.0] * 3, fewest=300)
+    assert find_reference(shortest, ["taylor26"], lambda _: True)[0].steps == 1280
+
+
+@pytest.mark.parametrize(
+    ("revolutions", "limit", "lost", "tried", "known"),
+    [
+        # The first search is of ten revolutions, and shows what one of them costs.
+        ([100.0, 1000.0], 1e9, math.inf, [10.0, 100.0, 1000.0], [True, True]),
+        ([3.0, 30.0], 1e9, math.inf, [3.0, 3.0, 30.0], [True, True]),
+        ([100.0, 1000.0], 500.0, math.inf, [10.0, 100.0], [True, False]),
+        ([100.0, 1000.0], 50.0, math.inf, [10.0], [False, False]),
+        ([100.0, 1000.0, 1e4], 1e9, 1000.0, [10.0, 100.0, 1000.0], [True, True, False]),
+    ],
+)
+def test_a_longer_reference_is_looked_for_while_there_is_time_and_phase(
+    revolutions: list[float],
+    limit: float,
+    lost: float,
+    tried: list[float],
+    known: list[bool],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Each takes a second a revolution; from ``lost`` revolutions on its phase is unknown."""
+    spec = make_spec(BOX, THROW, revolutions=revolutions, bodies=2)
+    searched: list[float] = []
+
+    def find(ensemble: Any, *_: object) -> Any:
+        searched.append(round(ensemble.spec.t_end / spec.time_of(1.0), 9))
+        worst = 1.0 if searched[-1] >= lost else 0.9
+        return Reference("taylor26", 1, worst, worst), None
+
+    monkeypatch.setattr(referring, "find_reference", find)
+    monkeypatch.setattr(referring.time, "perf_counter", lambda: float(sum(searched)))
+    told: list[int] = []
+    found = find_horizons(
+        spec, ["rk4"], lambda seconds: seconds < limit, lambda: told.append(len(searched))
+    )
+    assert searched == tried
+    assert [bool(horizon.reference.method) for horizon in found] == known
+    assert [horizon.revolutions for horizon in found] == revolutions
+    assert len(told) == 1 + len(revolutions)
 
 
 def test_runs_that_agree_to_the_bit_have_converged() -> None:
@@ -974,10 +1095,11 @@ test_mistakes_name_argument_value_and_rule = refuses(
         ({"methods": []}, ["methods = []", "at least one"]),
         ({"methods": "rk4"}, ["methods = 'rk4'", "['rk4']"]),
         ({"bodies": 0}, ["bodies = 0: must be at least 1"]),
-        ({"bodies": 10**6}, ["bodies = 1000000: must be at most"]),
+        ({"bodies": 4097}, ["bodies = 4097: must be at most 4096"]),
         ({"errors": []}, ["errors", "at least one"]),
         ({"errors": [1e-3, 2.0]}, ["errors[1] = 2.0", "[1e-15, 1)"]),
-        ({"errors": [0.0]}, ["errors[0] = 0.0"]),
+        ({"errors": [1.0]}, ["errors[0] = 1.0"]),
+        ({"errors": [0.9e-15]}, ["errors[0] = 9e-16"]),
         ({"seconds": -1.0}, ["seconds = -1.0: must be positive"]),
         ({"rng": "dice"}, ["rng = 'dice'"]),
         ({"unit": 3}, ["unit = 3"]),

@@ -167,6 +167,18 @@ def test_the_energy_of_a_damped_top_is_compared_with_the_work() -> None:
     assert "largest error of its balance" in str(result)
 
 
+def test_states_are_looked_at_256_times_that_keep_step_with_no_period() -> None:
+    """The time k lies in the k-th of 256 parts, at the fraction of k times the golden ratio."""
+    ensemble = ensemble_of(make_spec(BODY, OMEGA, revolutions=[10], bodies=2))
+    run = ensemble.run("rk4", 25_600)
+    k = np.arange(256)
+    ratio = (1.0 + math.sqrt(5.0)) / 2.0
+    seen = np.rint(100.0 * (k + (k * ratio) % 1.0))
+    np.testing.assert_allclose(run.t[:-1] * 25_600 / run.t[-1], seen, rtol=1e-9)
+    assert run.t[-1] == ensemble.spec.t_end
+    assert run.steps.tolist() == [25_600] * 2
+
+
 def test_no_phase_below_the_uncertainty_of_the_reference_is_told(free: rigid.Report) -> None:
     assert [reference.method for reference in free.references] == ["exact"] * 3
     for count, reference in zip(free.spec.revolutions, free.references, strict=True):
@@ -413,7 +425,10 @@ test_mistakes_name_argument_value_and_rule = refuses(
             r"revolutions\[1\] = 10.0: must be above 10 and at most 1e\+09",
         ),
         ({"revolutions": [0]}, r"revolutions\[0\] = 0.0: must be above 0"),
-        ({"revolutions": [1e10]}, r"revolutions\[0\] = 10000000000.0: must be above 0 and at most"),
+        (
+            {"revolutions": [np.nextafter(1e9, np.inf)]},
+            r"revolutions\[0\] = 1000000000.0000001: must be above 0 and at most 1e\+09",
+        ),
         ({"methods": ["exact"]}, r"methods = \['exact'\]: none .*: exact: makes no steps"),
         (
             {"scene": LAGRANGE, "methods": ["dmv2"]},
