@@ -75,6 +75,16 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "1.0 -> 2.0",
     ): "the horizon of the map is the longest one of its axis",
     (
+        "maps/sequential.py",
+        "bound = (1.3 / half_width) ** 2 + 4 * LOOK",
+        "1.3 -> 2.3",
+    ): "the table ends at the look at which every pixel stops, wherever the search for it ends",
+    (
+        "maps/sequential.py",
+        "bound = (1.3 / half_width) ** 2 + 4 * LOOK",
+        "4 -> 5",
+    ): "the table ends at the look at which every pixel stops, wherever the search for it ends",
+    (
         "maps/page.py",
         "done = max(int(data.samples.sum()), 1)",
         "1 -> 2",
