@@ -173,7 +173,11 @@ class CustomJob(BlockedJob):
             **statistics.arrays(),
             "measures": statistics.bins(),
             **{name: values.astype(np.int64) for name, values in counts.items()},
-            **{name: found[name] for name in _DRIFTS},
+            # A drift of no number is one of a body that was not integrated.
+            **{
+                name: np.where(counts["not_finite"] & np.isnan(found[name]), np.inf, found[name])
+                for name in _DRIFTS
+            },
             "nanoseconds": np.full(len(flat), 1e9 * (time.thread_time() - began) / len(flat)),
         }
 
