@@ -267,6 +267,8 @@ def test_bodies_that_fail_are_not_judged() -> None:
     assert result.failed.sum() > 0
     assert count == result.stable.sum()
     assert (result.drifted + result.not_finite == result.failed).all()
+    # A drift of no number would say that no body was integrated.
+    assert np.array_equal(np.isinf(result.energy_drift), result.not_finite > 0)
     stopped = rigid.stability_map(TOP, stable=stable, max_steps=3, check=0.0, **TOPS)
     assert (stopped.step_limit == 50).all()
 
