@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import rigid
-from rigid.solve.archive import Archive, ForeignError, write_archive
+from rigid._archive import Archive, ForeignError, write_archive
 from rigid.solve.columns import Column
 
 BODY = rigid.Body((1.0, 1.5, 2.0))
