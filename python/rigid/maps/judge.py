@@ -152,7 +152,9 @@ class CustomJob(BlockedJob):
     ) -> dict[str, Any] | None:
         if interrupted is not None and interrupted():
             return None
-        began = time.thread_time()
+        # Of the threads of the core too, if there are any.
+        clock = time.thread_time if threads == 1 else time.process_time
+        began = clock()
         found = self._judged(flat, threads)
         statistics = _core.MapStatistics(len(flat), self._measures)
         rows = np.arange(len(flat), dtype=np.uint64)
@@ -178,7 +180,7 @@ class CustomJob(BlockedJob):
                 name: np.where(counts["not_finite"] & np.isnan(found[name]), np.inf, found[name])
                 for name in _DRIFTS
             },
-            "nanoseconds": np.full(len(flat), 1e9 * (time.thread_time() - began) / len(flat)),
+            "nanoseconds": np.full(len(flat), 1e9 * (clock() - began) / len(flat)),
         }
 
     def _found(self, flat: Ints, threads: int) -> dict[str, NDArray[Any]]:
