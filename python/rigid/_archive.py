@@ -73,7 +73,7 @@ class Archive:
         If an entry is compressed, or the directory of the archive is longer than ``directory``.
     """
 
-    def __init__(self, file: BinaryIO, directory: int = 2**32) -> None:
+    def __init__(self, file: BinaryIO, directory: float = math.inf) -> None:
         self.length = _archive_length(file)
         if _directory_size(file, self.length) > directory:
             raise ForeignError(f"its directory is larger than {directory} B")

@@ -341,7 +341,7 @@ def _cloud(
     masses: ArrayLike, positions: ArrayLike, velocities: ArrayLike
 ) -> tuple[Floats, Floats, Floats]:
     """Checked masses (..., N, 1), positions and velocities (..., N, 3) of at least one particle."""
-    m = shaped("masses", masses, None)
+    m = shaped("masses", masses, None, nonnegative=True)
     r = shaped("positions", positions, None, 3)
     v = shaped("velocities", velocities, None, 3)
     count = r.shape[-2]
@@ -350,9 +350,6 @@ def _cloud(
             f"masses {m.shape}, positions {r.shape}, velocities {v.shape}: must have as many "
             "particles each"
         )
-    negative = m < 0.0
-    if negative.any():
-        raise ValueError(f"masses = {m[negative][0]}: must not be negative")
     if count == 0 or (m.sum(axis=-1) <= 0.0).any():
         raise ValueError(f"masses, shape {m.shape}: their sum must be positive")
     return m[..., np.newaxis], r, v
