@@ -201,6 +201,7 @@ def toml_tables() -> dict[str, str]:
         "scene": key_table(scene, ("scene", *outside, *only_free)),
         "free_scene": key_table([rigid.FreeBody], (*outside, *top)),
         "orbit": key_table([rigid.Orbit]),
+        "orbit_flyby": key_table([rigid.Orbit.flyby]),
         "orbit_table": key_table([rigid.Orbit.table]),
         "rotor_table": key_table([rigid.RotorTable]),
         "start": key_table([rigid.Start]),

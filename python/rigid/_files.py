@@ -6,8 +6,9 @@ import errno
 import os
 import re
 import stat
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from types import MappingProxyType
 from typing import BinaryIO
 
 try:
@@ -54,25 +55,35 @@ def require_replaceable(path: str | os.PathLike[str]) -> int | None:
 ARRAYS, MAP, TABLE = (".npz",), (".npz", ".zarr"), (".csv", ".txt")
 """Endings of the names of files of arrays, of maps, and of comma-separated texts."""
 
-_WRITERS = {
+OTHERS: Mapping[str, str] = {
     ".csv": "to_csv writes a table",
     ".nc": "to_xarray().to_netcdf writes netCDF",
 }
-"""What else writes a result of arrays, to a file whose name ends like this."""
+"""What else writes a run, a map or points, to a file whose name ends like this."""
 
 
 def require_ending(
-    path: str | os.PathLike[str], endings: Sequence[str], name: str = "path"
+    path: str | os.PathLike[str],
+    endings: Sequence[str],
+    name: str = "path",
+    others: Mapping[str, str] = MappingProxyType({}),
 ) -> None:
-    """Raise ValueError if a name promises another kind of file than the one that is written."""
+    """Raise ValueError if a name promises another kind of file than the one that is written.
+
+    ``others`` says what writes files of other endings.
+    """
     ending = os.path.splitext(path)[1].lower()
     if ending not in endings:
-        other = f"; {_WRITERS[ending]}" if ending in _WRITERS and ".npz" in endings else ""
+        other = f"; {others[ending]}" if ending in others else ""
         raise ValueError(f"{name} = {os.fspath(path)!r}: must end in {' or '.join(endings)}{other}")
 
 
 @contextmanager
-def published(path: str | os.PathLike[str], endings: Sequence[str] = ()) -> Iterator[BinaryIO]:
+def published(
+    path: str | os.PathLike[str],
+    endings: Sequence[str] = (),
+    others: Mapping[str, str] = MappingProxyType({}),
+) -> Iterator[BinaryIO]:
     """A new file, open to write bytes; it gets its name when it is whole and on the disk.
 
     The bytes go to a scratch file with another name in the same folder. At the end the scratch file
@@ -86,6 +97,8 @@ def published(path: str | os.PathLike[str], endings: Sequence[str] = ()) -> Iter
         The file: a new name, or the name of a regular file.
     endings : sequence of str
         With which of these the name must end; by default any.
+    others : mapping
+        What writes files of other endings, for the message.
 
     Raises
     ------
@@ -97,7 +110,7 @@ def published(path: str | os.PathLike[str], endings: Sequence[str] = ()) -> Iter
         Naming ``path``, if the file cannot be written.
     """
     if endings:
-        require_ending(path, endings)
+        require_ending(path, endings, others=others)
     target = os.fspath(path)
     with _naming(target), _scratch(target) as (scratch, file):
         yield file

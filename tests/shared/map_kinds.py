@@ -341,14 +341,25 @@ KINDS: dict[str, tuple[dict[str, Any], str]] = {
             **POINTING,
             "scene": rigid.FreeBody(rigid.Body(MOMENTS), orbit=ORBIT),
             "axes": {"eccentricity": [0.0, 0.4], "rotor2": [0.0, 0.1]},
-            "stable": rigid.yaw_within(2.0) & rigid.roll_within(2.5, axes=(3, -2)),
+            "stable": rigid.yaw_within(2.0)
+            & rigid.pitch_within(1.4)
+            & rigid.roll_within(2.5, axes=(3, -2)),
             "measure": [
                 rigid.largest_pitch(),
                 rigid.time_to_settle(0.6),
                 rigid.time_to_settle(1.5, "roll"),
             ],
         },
-        "yaw within 2 rad and roll within 2.5 rad",
+        "(yaw within 2 rad and pitch within 1.4 rad) and roll within 2.5 rad",
+    ),
+    "rates": (
+        {
+            "axes": {"spin": [0.3, 1.0, 3.0]},
+            "start": rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.1)),
+            "stable": rigid.rate_within(1.5) & rigid.spin_above(0.2, axis=2),
+            "samples": 12,
+        },
+        "and rate about axis 2 above 0.2 rad/s",
     ),
     "pointing, rotors by a function": (
         {**POINTING, "scene": wheel, "axes": {"eccentricity": [0.0, 0.4], "wheel": [0.0, 0.1]}},

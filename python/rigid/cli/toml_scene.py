@@ -100,6 +100,10 @@ KINDS: Mapping[str, Callable[..., Scene]] = {
 """What the key ``kind`` of a scene names."""
 
 
+ORBITS: tuple[Callable[..., Orbit], ...] = Orbit, Orbit.flyby, Orbit.table
+"""What makes an orbit of its table."""
+
+
 _READ: Mapping[str, Callable[[Table, str], Any]] = {
     **{name: lambda table, key: FORCES[key].of_data(table[key]) for name in FORCES},
     "orbit": lambda table, key: _orbit(table.table(key)),
@@ -108,7 +112,8 @@ _READ: Mapping[str, Callable[[Table, str], Any]] = {
 
 
 def _orbit(table: Table) -> Any:
-    return table.call(Orbit.table if "positions" in table else Orbit)
+    """The orbit of a table, by the function that takes most of its keys."""
+    return table.call(max(ORBITS, key=lambda make: len(table.keys() & keys(make).keys())))
 
 
 def _rotor(table: Table, key: str) -> Any:

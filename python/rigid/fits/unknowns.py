@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from .._checks.arguments import brief
 from .._checks.arrays import Floats
 from ..model.forces import FORCES
-from ..model.orbit import HYPERBOLA, MOST_ECCENTRIC
 from ..model.parameters import AT_REST, PARAMETERS, PLACES, numbers_of, scene_of
 from ..model.scene import Scene
 from ..rotations.so3 import exp_so3, over, rodrigues
@@ -60,10 +59,6 @@ _MOUNTED = 0.3, math.pi / 4.0
 
 Beyond 45 degrees the same body has its principal axes in another order, nearer to the gyroscope's.
 """
-
-_OF_ORBIT = (0.1, 0.1, 1.0)
-"""How far off a first guess of an orbit may be: of its rate as a share, of its eccentricity and its
-anomaly."""
 
 
 class Unknowns:
@@ -129,24 +124,22 @@ class Unknowns:
                 first[k], low[k], high[k], sizes[k] = of_run[name]
             elif name in self._rows:
                 row = self._rows[name]
-                every = numbers_of(self.scene, AT_REST, {row.place}, 1)[row.place]
-                first[k] = every[0, *row.index].mean()
+                every = numbers_of(self.scene, AT_REST, {row.place}, 1)[row.place][0]
+                first[k] = every[row.index].mean()
+                guess = PLACES[row.place].guess
+                assert guess is not None  # the names are checked
+                off_by = np.broadcast_to(guess(every, unit, mean), every.shape)
+                sizes[k] = off_by[row.index].max()
                 low[k], high[k] = row.lowest, row.highest
-                if row.place == "orbit":
-                    (which,) = row.index
-                    sizes[k] = _OF_ORBIT[which] * (1.0 if which else first[k])
-                    if name == "rate":
-                        low[k] = _EDGE * first[k]
-                    elif name == "eccentricity":
-                        low[k], high[k] = HYPERBOLA if first[k] > 1.0 else (0.0, MOST_ECCENTRIC)
-                elif guess := PLACES[row.place].guess:
-                    share, power = guess
-                    sizes[k] = share * unit * mean**power
-                    if name == "mgl":
-                        sizes[k] = first[k] or sizes[k]
-                    if row.place in FORCES and row.lowest == 0.0:
-                        low[k] = _NOTHING * sizes[k]
-                        first[k] = max(first[k], low[k])
+                if row.gap is not None:
+                    below, above = row.gap
+                    beyond = first[k] > below
+                    low[k], high[k] = (above, row.highest) if beyond else (row.lowest, below)
+                elif row.open_end:
+                    low[k] = _EDGE * first[k]
+                elif row.place in FORCES and row.lowest == 0.0:
+                    low[k] = _NOTHING * sizes[k]
+                    first[k] = max(first[k], low[k])
         place = {j: self.numbers.index(MOMENTS[j]) for j in self._moving}
         squares = 0.5 * i.sum() - i  # the integrals of x², y², z² over the mass
         edge = _EDGE * unit
@@ -320,17 +313,12 @@ def _taken(
     return np.stack(parts, axis=-1)
 
 
-def _has_size(place: str) -> bool:
-    """Whether a fit knows how far off a first guess of numbers in this place may be."""
-    return place == "orbit" or PLACES[place].guess is not None
-
-
 def _checked_names(scene: Scene, free: str | Sequence[str]) -> tuple[str, ...]:
     """The names of the free parameters: not of the direction to a centre of mass alone."""
     rows = {
         name: PARAMETERS[name]
         for name in differentiable(scene)
-        if name not in (*MOMENTS, "damping") and _has_size(PARAMETERS[name].place)
+        if name not in (*MOMENTS, "damping") and PLACES[PARAMETERS[name].place].guess
     }
     known = (*MOMENTS, *RATIOS, *rows, *_GROUPS, *START, *BIAS, *SCALE, *SENSOR)
     names = checked_names(

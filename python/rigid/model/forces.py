@@ -6,7 +6,7 @@ the scenes on which it acts. TOML files, datasets and the core know it by its na
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, Self, TypeAlias, TypeVar, cast
 
@@ -147,6 +147,15 @@ def _along(name: str, given: ArrayLike, unit: str | None = None) -> Floats:
     return np.broadcast_to(array, (*array.shape[:-1], 3))
 
 
+Guess: TypeAlias = Callable[[Floats, float, float], ArrayLike]
+"""How far off the first guess of a fit may be, from its numbers, largest moment and rates."""
+
+
+def tenth_of_moment(power: int) -> Guess:
+    """A tenth of the largest moment times a power of the rates."""
+    return lambda numbers, moment, rate: 0.1 * moment * rate**power
+
+
 class Force(Generic[Value]):
     """A force of a scene: its attribute, keyword, key in TOML files and name in the core.
 
@@ -168,9 +177,8 @@ class Force(Generic[Value]):
         Whether the numbers are in proportion to the mass of the body.
     in_space : bool
         Whether the torque depends on the attitude.
-    guess : tuple of (float, int), or None
-        How far off a first guess of a fit may be: this share of the largest moment times a power of
-        the rates; None if a fit knows no such size.
+    power : int
+        The numbers are moments times this power of rates.
     """
 
     name: ClassVar[str]
@@ -180,7 +188,7 @@ class Force(Generic[Value]):
     has_corner: ClassVar[bool] = False
     has_mass: ClassVar[bool] = True
     in_space: ClassVar[bool] = False
-    guess: ClassVar[tuple[float, int] | None] = None
+    power: ClassVar[int]
 
     def checked(self, given: Any) -> Value | None:
         """The given value, as a value of one body or of each; None if it is zero.
@@ -250,6 +258,10 @@ class Force(Generic[Value]):
             return f"{self.name} {numbers[0]:g}"
         return f"{self.name} ({', '.join(f'{part:g}' for part in numbers)})"
 
+    def guess(self, numbers: Floats, moment: float, rate: float) -> ArrayLike:
+        """How far off the first guess of a fit may be: see :data:`Guess`."""
+        return tenth_of_moment(self.power)(numbers, moment, rate)
+
     def torque(self, numbers: Floats, omega: Floats) -> Floats | float:
         """The torque in the body at rates, as in the equations of motion; N m."""
         return 0.0
@@ -261,7 +273,7 @@ class Dissipation(Force[EnergySink]):
     name = "dissipation"
     title = "coefficients of the energy sink"
     unit = "kg m² s"
-    guess = 0.1, -1
+    power = -1
 
     def checked(self, given: Any) -> EnergySink | None:
         """The sink, if it drains energy."""
@@ -300,6 +312,10 @@ class GravityGradient(Force[Orbit]):
     def made(self, numbers: Any) -> Orbit | None:
         """The orbit with these numbers."""
         return Orbit.of_numbers(numbers)
+
+    def guess(self, numbers: Floats, moment: float, rate: float) -> Floats:
+        """Of the rate a share, of the eccentricity and the anomaly all that is not told at once."""
+        return np.array([0.1 * numbers[0], 0.1, 1.0])
 
     def varied(self, value: Orbit | None, numbers: Floats) -> Orbit | None:
         """The orbit with these rates, eccentricities and anomalies."""
@@ -344,7 +360,7 @@ class Rotor(Force[Momentum]):
     title = "angular momentum of the rotor"
     unit = "kg m²/s"
     is_vector = True
-    guess = 0.1, 1
+    power = 1
 
     def checked(self, given: Any) -> Momentum | None:
         """The momentum, or its table."""
@@ -380,7 +396,7 @@ class Drag(Force[Vector | Floats]):
     title = "coefficients of the drag"
     unit = "N m s²"
     has_corner = True
-    guess = 0.1, 0
+    power = 0
 
     def torque(self, numbers: Floats, omega: Floats) -> Floats:
         """``-|omega| C omega``."""

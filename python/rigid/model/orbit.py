@@ -545,7 +545,10 @@ class OrbitTable(Sampled, Orbit):
                 f"t = {self.t[int(np.argmax(uneven)) + 1]:g}: the intervals before and after it "
                 "must not differ by more than a factor of two: the spline would hide its error"
             )
-        self._spline(self.t[0])  # ValueError for too few positions
+        try:
+            self._spline(self.t[0])
+        except ValueError as error:  # too few positions
+            raise ValueError(str(error).replace("orbit", "positions", 1)) from None
 
     def __reduce__(self) -> tuple[Any, ...]:
         return OrbitTable, (self.t, self.positions, self.gm)

@@ -18,7 +18,7 @@ from .. import _core
 from .._checks.arrays import Floats
 from .._checks.moments import box_moments
 from .body import Body
-from .forces import FORCES
+from .forces import FORCES, Guess, tenth_of_moment
 from .noise import Noise
 from .orbit import HYPERBOLA, MOST_ECCENTRIC
 from .sampled import Sampled
@@ -262,8 +262,8 @@ class Place:
         derivative by them.
     slopes : callable
         ``slopes(scene)``: the derivatives of these numbers of the core, shape (..., k, numbers).
-    guess : tuple of (float, int), or None
-        How far off a first guess of a fit may be: see :class:`Force`.
+    guess : Guess or None
+        How far off the first guess of a fit may be; None if no fit takes it.
     """
 
     read: Callable[[Any, Start], ArrayLike]
@@ -272,7 +272,7 @@ class Place:
     sets: tuple[str, ...] = ()
     first: int | None = None
     slopes: Callable[[Any], Floats] = _alike
-    guess: tuple[float, int] | None = None
+    guess: Guess | None = None
 
 
 def _or_zero(value: ArrayLike | None, *shape: int) -> Floats:
@@ -370,12 +370,12 @@ PLACES: Mapping[str, Place] = {
         _needs_weight,
         first=3,
         slopes=_slopes_of_weight,
-        guess=(1.0, 2),
+        guess=lambda mgl, moment, rate: float(mgl) or moment * rate**2,
     ),
     "com": Place(lambda scene, _: scene.com, 1, _needs_weight, ("com",), 3, _slopes_of_com),
     "com angles": Place(_angles_of_com, 2, _needs_weight, ("com",)),
-    "damping": Place(_damping, 1, _needs_diagonal_damping, first=6, guess=(0.1, 1)),
-    "torque": Place(_torque_in_body, 1, _needs_constant_torque, first=12, guess=(0.1, 2)),
+    "damping": Place(_damping, 1, _needs_diagonal_damping, first=6, guess=tenth_of_moment(1)),
+    "torque": Place(_torque_in_body, 1, _needs_constant_torque, first=12, guess=tenth_of_moment(2)),
     **{name: _further(name) for name in FORCES if name != "orbit"},
     "orbit": Place(
         lambda scene, _: scene.orbit.numbers[..., :3],
@@ -383,6 +383,7 @@ PLACES: Mapping[str, Place] = {
         _needs_orbit,
         first=_OF_FORCES["orbit"],
         slopes=_slopes_of_orbit,
+        guess=FORCES["orbit"].guess,
     ),
     "spin": Place(lambda _, start: start.spin or 0.0, 0, _needs_spin),
     "tilt": Place(lambda _, start: start.tilt, 0, _needs_spin_or_attitude),

@@ -143,6 +143,25 @@ def test_tables_over_time_are_tables_of_a_specification() -> None:
         parse_spec(text.replace("momentum", "momenta"), "flyby.toml")
 
 
+def test_a_flyby_of_a_specification_is_the_hyperbola_of_its_keys() -> None:
+    flyby = "orbit = { gm = 0.5, periapsis = 2.0, speed = 0.4, time = 3.0, towards = [0, 1, 0] }"
+    text = BOX.replace("mass = 0.3", f"mass = 0.3\n{flyby}")
+    orbit = parse_spec(text, "flyby.toml").scene.orbit
+    assert orbit == rigid.Orbit.flyby(0.5, 2.0, 0.4, time=3.0, towards=(0.0, 1.0, 0.0))
+    assert orbit.eccentricity == pytest.approx(1.0 + 2.0 * 0.4**2 / 0.5, rel=1e-15)
+    for old, new, words in [
+        ("speed", "sped", r"flyby.toml: \[scene.orbit\] unknown key 'sped'; did you mean 'speed'"),
+        ("speed = 0.4, ", "", r"flyby.toml: \[scene.orbit\] needs the key 'speed'"),
+        (
+            "speed = 0.4",
+            "speed = -1",
+            r"\[scene.orbit\] speed = -1.0: must be positive",
+        ),
+    ]:
+        with pytest.raises(SpecError, match=words):
+            parse_spec(text.replace(old, new), "flyby.toml")
+
+
 def test_what_a_specification_may_leave_out() -> None:
     text = TOP.replace("com = [0.6, 0.0, 0.8]\n", "").replace("axis = -3\n", "")
     text = text.replace('reference = "start"\n', "")
@@ -286,6 +305,7 @@ def test_the_page_of_files_has_a_row_for_every_key() -> None:
     assert rows("scene", "free_scene") == {key for make in KINDS.values() for key in keys(make)}
     assert rows("start") == keys(rigid.Start).keys()
     assert rows("orbit") == keys(rigid.Orbit).keys()
+    assert rows("orbit_flyby") == keys(rigid.Orbit.flyby).keys()
     assert rows("orbit_table") == keys(rigid.Orbit.table).keys()
     assert rows("rotor_table") == keys(rigid.RotorTable).keys()
     assert rows("axis") == {"name", "values", "from", "to", "count", "scale"}

@@ -417,7 +417,7 @@ test_what_a_table_cannot = refuses(
     [
         (
             lambda: made(np.arange(8.0), CIRCLE[:8]),
-            "orbit: expected shape .9 or more, 3., got .8, 3.",
+            "positions: expected shape .9 or more, 3., got .8, 3.",
         ),
         (lambda: made(np.arange(9.0)), "turns by more than 45 degrees"),
         (lambda: made(np.arange(9.0) ** 2), "t = 1: the intervals before and after it"),
