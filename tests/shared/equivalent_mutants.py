@@ -95,6 +95,36 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "1.0 -> 2.0",
     ): "the check of the forces does not look at the angle",
     (
+        "model/measures.py",
+        "return ON_ORBIT.get(name, name), self.axis or 0, ()",
+        "0 -> 1",
+    ): "the core does not look at the axis of a measure that has none",
+    (
+        "model/sampled.py",
+        "width = np.where(end > begin, end - begin, 1.0)",
+        "1.0 -> 2.0",
+    ): "a piece without width is met at its begin: the share of it is zero over any number",
+    (
+        "meshes.py",
+        "within = (left <= point[0]) & (point[0] <= right) & (down <= point[1]) & (point[1] <= up)",
+        "(left <= point[0]) & (point[0] <= right) -> (left <= point[0]) | (point[0] <= right)",
+    ): "it looks at further triangles, and the signs of their areas tell that the line misses them",
+    (
+        "solve/least_squares.py",
+        "free = ~(((x <= low) & (pull > 0.0)) | ((x >= high) & (pull < 0.0)))",
+        "pull < 0.0 -> pull <= 0.0",
+    ): "a number at its bound that nothing pulls waits for a step of the others",
+    (
+        "solve/least_squares.py",
+        "free = ~(((x <= low) & (pull > 0.0)) | ((x >= high) & (pull < 0.0)))",
+        "pull > 0.0 -> pull >= 0.0",
+    ): "a number at its bound that nothing pulls waits for a step of the others",
+    (
+        "solve/run.py",
+        "known = int(np.isfinite(states[0]).all(axis=-1).sum())",
+        "np.isfinite(states[0]).all -> np.isfinite(states[0]).any",
+    ): "after the event that ended a body no component is known, before it each is",
+    (
         "solve/tangent.py",
         "max_steps=10**9,",
         "10 -> 11",

@@ -932,7 +932,7 @@ def states_of(
     plain = run.in_frame(None)
     states: list[Floats] = [getattr(plain, name)[index] for name in names]
     if run.status[index] == Status.STOPPED:
-        known = int(np.isfinite(states[0]).all(axis=-1).cumprod().sum())
+        known = int(np.isfinite(states[0]).all(axis=-1).sum())
         states = [values[:known] for values in states]
     if not all(np.isfinite(values).all() for values in states):
         raise ValueError("status: states that are not finite cannot be shown")

@@ -113,6 +113,14 @@ def test_a_heavy_top_keeps_less() -> None:
     np.testing.assert_allclose(again.energy, kept.energy, atol=1e-14)
 
 
+def test_states_of_a_body_with_a_rotor_have_the_momentum_of_the_rotor() -> None:
+    """L = I omega + h; the wheel keeps its share of the energy (Hughes 1986, § 6.1)."""
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), rotor=(0.1, 0.0, 3.0))
+    kept = free.invariants(scene, [0.2, 1.0, -0.5])
+    assert float(kept.L) == pytest.approx(np.sqrt(0.3**2 + 1.5**2 + 2.0**2), rel=1e-15)
+    assert float(kept.energy) == pytest.approx(0.5 * (0.04 + 1.5 + 0.5), rel=1e-15)
+
+
 def test_the_weight_moves_the_momentum() -> None:
     # D-19: a top "under the torque of its own weight" is no free top. Body and start of the proof.
     scene = rigid.HeavyTop(rigid.Body((1.3, 1.3, 0.7)), mgl=2.1)

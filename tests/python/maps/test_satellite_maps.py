@@ -204,6 +204,10 @@ def test_nothing_is_predicted_near_the_time_of_the_separatrix() -> None:
         )
         theory = predict(spec)  # None if it has nothing to say
         np.testing.assert_array_equal(np.nan if theory is None else theory.share[0], share)
+        # Nothing is known of the distribution of samples, whatever their size.
+        drawn = rigid.samples(np.random.default_rng(1).normal(0.0, noise, (9, 3)))
+        given = rigid.Start(spin=spin, axis=1, noise=drawn)
+        assert predict(spec.replace(start=given, samples=9)) is None
 
 
 def test_next_to_a_symmetric_body_the_separatrix_is_near() -> None:

@@ -746,6 +746,7 @@ def test_a_function_of_python_takes_its_arrays_whole(no_numba: None) -> None:
 
     damped = rigid.simulate(top(damping=0.3), OMEGA, TILTED, t=[1.0, 3.0], accuracy=1e-13)
     scene = top(torque=rigid.Torque.call(whole, [0.3]))
+    assert ", data of shape (1,)" in repr(scene.torque)
     run = rigid.simulate(scene, OMEGA, TILTED, t=[1.0, 3.0], accuracy=1e-11)
     assert np.abs(run.omega - damped.omega).max() < 1e-11 * np.linalg.norm(OMEGA) * 3.0
 

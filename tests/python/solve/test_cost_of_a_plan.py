@@ -109,6 +109,22 @@ def test_only_a_cost_that_is_asked_for_is_measured(name: str) -> None:
     assert 0.0 < timed.error < 1.0
 
 
+@pytest.mark.parametrize(
+    ("nanoseconds", "words"),
+    [
+        (999.0, "999 ns"),
+        (1e3, "1 µs"),
+        (2.5e4, "25 µs"),
+        (1e6, "1 ms"),
+        (1e9, "1 s"),
+        (9e10, "90 s"),
+    ],
+)
+def test_a_cost_is_told_in_the_largest_unit_that_it_reaches(nanoseconds: float, words: str) -> None:
+    plan = rigid.plan(HEAVY, "axis", omega=RATES, t_end=1.0)
+    assert f"cost        {words} a body\n" in f"{dataclasses.replace(plan, cost=nanoseconds)}\n"
+
+
 def test_the_error_of_steps_is_that_of_the_bodies_that_were_run() -> None:
     rows = np.random.default_rng(1).normal(size=(10, 3))
     run = rigid.simulate(HEAVY, rows, t=[5.0], method="dop853")
@@ -159,13 +175,16 @@ CRITERIA: dict[str, Any] = {
 
 
 @pytest.mark.parametrize("name", CRITERIA)
-def test_the_cost_of_a_criterion_is_that_of_a_sample(name: str) -> None:
+def test_the_cost_of_a_criterion_is_that_of_a_sample(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     asked: dict[str, Any] = {"t_end": 2.0, "start": rigid.Start(spin=5.0)}
     plan = rigid.plan(HEAVY, CRITERIA[name], **asked)
     timed: Any = rigid.plan(HEAVY, CRITERIA[name], bodies=20, cost=True, **asked)
     assert plan.cost is None
     assert timed.cost > 0.0
     assert dataclasses.replace(timed, cost=None) == plan
+    assert capsys.readouterr().err == ""  # the bar of a map would count its samples
 
 
 def test_a_map_is_shortened_by_a_share_of_its_horizon() -> None:

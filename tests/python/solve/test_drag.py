@@ -69,6 +69,10 @@ def test_the_energy_of_a_top_falls_by_the_power_of_the_drag(method: str) -> None
     balance = rigid.free.power_balance(run)
     # Differences of order 2 of a power that oscillates at some 10 rad/s.
     assert np.abs(balance.residual).max() < 1e-2
+    # Of many bodies and times each has the power of its own rates.
+    rates = np.stack([run.omega, 0.5 * run.omega])
+    many = rigid.free.power_balance(rigid.FreeBody(BODY, drag=drag), rates, t=t)
+    np.testing.assert_allclose(many.power, np.multiply.outer([1.0, 0.125], power), rtol=1e-14)
 
 
 def test_drag_acts_in_maps_motions_and_files() -> None:

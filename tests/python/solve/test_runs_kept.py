@@ -2,6 +2,7 @@
 
 import re
 import warnings
+import zipfile
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -97,8 +98,15 @@ def test_a_damaged_run_is_refused(tmp_path: Path) -> None:
             rigid.load_run(path)
 
 
-def test_a_directory_as_long_as_the_bound_is_read(tmp_path: Path) -> None:
-    """An entry of a directory has 46 B and its name (PKWARE's APPNOTE, §4.3.12)."""
+@pytest.mark.parametrize("most", [2**16 - 1, 1], ids=["of few entries", "of many entries"])
+def test_a_directory_as_long_as_the_bound_is_read(
+    most: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An entry of a directory has 46 B and its name (PKWARE's APPNOTE, §4.3.12).
+
+    Of more entries than 16 bits count, a further record at the end tells the size (§4.3.14).
+    """
+    monkeypatch.setattr(zipfile, "ZIP_FILECOUNT_LIMIT", most)
     path = tmp_path / "two.npz"
     write_archive(path, {"one": np.arange(3.0), "two": np.arange(4)})
     size = 2 * (46 + len("one.npy"))
@@ -290,6 +298,10 @@ def test_what_messages_and_pictures_refuse(tmp_path: Path) -> None:
         RUNS["rates"].momentum("space")
     with pytest.raises(ValueError, match="body = None"):
         many.plot()
+    for t, end in (([], "10"), ([3.0], "3")):
+        rule = f"t = {t}: a plot needs two times or more, such as t=np.linspace(0, {end}, 201)"
+        with pytest.raises(ValueError, match=f"^{re.escape(rule)}$"):
+            rigid.simulate(BODY, [0.1, 1.0, 0.2], t=t).plot()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert many.to_aem(path, epoch="2026-01-31", body=-1) == path
