@@ -12,6 +12,7 @@ from .._checks.arguments import one_of, times_of_each
 from .._checks.arrays import AttitudeLike, Floats, attitudes, of_size_one, require, vectors
 from ..model.batch import Shape, batch_shape
 from ..model.body_like import BodyLike, moments_of
+from ..model.frame import turned
 from ..model.sampled import RotorTable
 from ..model.scene import HeavyTop, Scene, check_scene, scene_from_dict
 from ..model.torque import Torque
@@ -93,7 +94,7 @@ class Invariants:
     L : ndarray, shape (...)
         Size of the angular momentum (kg m²/s); constant for a free body.
     L_body : ndarray, shape (..., 3)
-        Angular momentum in the body, ``I omega``.
+        Angular momentum in the body, ``I omega``; of a run along its body axes, :attr:`Run.frame`.
     L_space : ndarray, shape (..., 3), or None
         Angular momentum in space, if the attitude is known; constant for a free body.
     p_phi : ndarray, shape (...), or None
@@ -218,7 +219,7 @@ def invariants(
         potential=_filled(potential, shape),
         energy=_filled(kinetic + potential, shape),
         L=_filled(np.ldexp(np.linalg.norm(unit, axis=-1), power[..., 0]), shape),
-        L_body=_filled(momentum, (*shape, 3)),
+        L_body=_filled(_in_body_axes(motion, momentum), (*shape, 3)),
         L_space=None
         if quaternions is None
         else _filled(to_space(quaternions, momentum), (*shape, 3)),
@@ -284,7 +285,7 @@ def power_balance(
     torque : array_like, shape (..., m, 3), optional
         Additional torque (N m).
     frame : {"body", "space"}
-        Frame of the components of the torque.
+        Frame of the components of the torque: of a run the body axes are :attr:`Run.frame`.
 
     Returns
     -------
@@ -338,7 +339,8 @@ def power_balance(
             raise ValueError("attitude = None: the torque of the weight needs it")
         acting = acting + np.cross(gamma, _at_times(scene.weight))
     if torque is not None:
-        acting = acting + _body_torque(torque, quaternions, frame)
+        added = _body_torque(torque, quaternions, frame)
+        acting = acting + (_in_principal_axes(motion, added) if frame == "body" else added)
     acting = acting + _gravity_gradient(scene, quaternions, times)
     power = (acting * rates).sum(axis=-1) + _sink_power(scene, rates, acting)
     rate = _time_derivative(kinetic, times)
@@ -412,6 +414,18 @@ def _of_each(vectors: ArrayLike, motion: Run | Scene) -> Floats:
     """Vectors of the bodies, shaped to broadcast with the states of a run."""
     array = np.asarray(vectors)
     return _at_times(array) if isinstance(motion, Run) and array.ndim > 1 else array
+
+
+def _in_body_axes(motion: Run | Scene, principal: Floats) -> Floats:
+    """Vectors along the body axes of a run, if these are not the principal axes."""
+    axes = motion.frame if isinstance(motion, Run) else None
+    return principal if axes is None else turned(axes, principal)
+
+
+def _in_principal_axes(motion: Run | Scene, vectors: Floats) -> Floats:
+    """Vectors along the principal axes, of components along the body axes of a run."""
+    axes = motion.frame if isinstance(motion, Run) else None
+    return vectors if axes is None else turned(axes.T, vectors)
 
 
 def _along(vectors: Floats, of_bodies: Floats) -> Floats:

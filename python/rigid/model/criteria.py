@@ -239,7 +239,8 @@ def tilt_below(angle: float, *, axis: int = 3, reference: str | None = None) -> 
     reference : {"start", "vertical"}, optional
         The direction: the direction of the axis at the start, or the upward vertical. By default
         the vertical for a heavy top and the start for a free body, whose equations contain no
-        vertical.
+        vertical. On an :class:`Orbit` the vertical of a map is the normal of the orbit; on an
+        :meth:`Orbit.table` and in events it is axis 3 of space.
 
     Returns
     -------

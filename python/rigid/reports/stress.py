@@ -18,7 +18,7 @@ from .._checks.arrays import Floats
 from .._checks.progress import ProgressOption, reporting
 from .._checks.shown import aligned, wrapped
 from ..drawing.figure import html_text
-from ..solve.bodies import bodies_of
+from ..model.bodies import bodies_of
 from ..solve.methods import EXACT, run_methods
 from ..solve.run import Run
 from ..solve.simulate import simulate

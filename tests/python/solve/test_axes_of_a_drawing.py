@@ -110,6 +110,17 @@ def test_a_motion_is_that_in_principal_axes_turned_by_hand(name: str) -> None:
         assert np.allclose(here, there, rtol=1e-13)
 
 
+@pytest.mark.parametrize("name", ["free", "rotor", "driven top"])
+def test_the_momentum_and_the_power_of_a_run_are_told_in_its_frame(name: str) -> None:
+    scene, acting = SCENES[name]
+    run = rigid.simulate(scene, OMEGA, ATTITUDE, t=TIMES, accuracy=1e-10, frame=AXES)
+    momentum = run.omega @ TENSOR + acting.get("rotor", 0.0)
+    assert np.allclose(rigid.free.invariants(run).L_body, momentum, rtol=0, atol=1e-14)
+    alone, with_more = (rigid.free.power_balance(run, torque=more) for more in (None, TORQUE))
+    added = with_more.power - alone.power
+    assert np.allclose(added, run.omega @ TORQUE, rtol=0, atol=1e-14)
+
+
 def test_the_tangent_in_a_frame_is_the_difference_of_runs_in_it() -> None:
     scene, _ = SCENES["top"]
     here = {"t": [2.0], "accuracy": 1e-12, "frame": AXES}
