@@ -75,6 +75,11 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "1.0 -> 2.0",
     ): "the horizon of the map is the longest one of its axis",
     (
+        "maps/axes.py",
+        "return bool(np.ptp(steps) <= 1e-6 * abs(steps[0]))",
+        "np.ptp(steps) <= 1e-06 * abs(steps[0]) -> np.ptp(steps) < 1e-06 * abs(steps[0])",
+    ): "no steps scatter by the tolerance to the last bit",
+    (
         "maps/sequential.py",
         "bound = (1.3 / half_width) ** 2 + 4 * LOOK",
         "1.3 -> 2.3",
