@@ -532,3 +532,11 @@ def test_hyperbolas_do_not_meet() -> None:
     assert [len({*np.sign(line[:, 0])}) for line in lines] == [1, 1]
     for line in lines:
         np.testing.assert_allclose(np.prod(line, axis=1), 0.1, rtol=1e-13)
+
+
+def test_a_line_does_not_go_on_at_the_other_edge() -> None:
+    """It falls by a row of squares from the left to the right edge."""
+    x, y = np.linspace(-1.0, 1.0, 21), np.linspace(0.0, 2.0, 41)
+    (line,) = zero_lines(x, y, y[:, np.newaxis] - 1.05 + 0.025 * x)
+    assert sorted(line[[0, -1], 0]) == [-1.0, 1.0]
+    np.testing.assert_allclose(line[:, 1], 1.05 - 0.025 * line[:, 0], rtol=1e-14)
