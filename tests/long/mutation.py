@@ -190,7 +190,11 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "maps/sequential.py": ("maps/test_sequential.py", "maps/test_refined_maps.py"),
     "maps/spec.py": (
         "maps/test_map_bad_input.py",
+        "maps/test_map_axes.py",
         "maps/test_map_grid.py",
+        "maps/test_map_statistics.py",
+        "maps/test_mixtures.py",
+        "maps/test_own_torques.py",
         "maps/test_judged.py",
         "maps/test_map_files.py",
         "maps/test_plan_of_a_criterion.py",
