@@ -27,7 +27,7 @@ from random import Random
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "shared"))
 
-from equivalent_mutants import why_equivalent
+from equivalent_mutants import EQUIVALENT, key_of, why_equivalent
 from python_mutants import Mutant, python_mutants
 
 ROOT = Path(__file__).parents[2]
@@ -215,7 +215,11 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "maps/sequential.py": ("maps/test_sequential.py", "maps/test_refined_maps.py"),
     "maps/spec.py": (
         "maps/test_map_bad_input.py",
+        "maps/test_map_axes.py",
         "maps/test_map_grid.py",
+        "maps/test_map_statistics.py",
+        "maps/test_mixtures.py",
+        "maps/test_own_torques.py",
         "maps/test_judged.py",
         "maps/test_map_files.py",
         "maps/test_plan_of_a_criterion.py",
@@ -673,12 +677,11 @@ def main() -> int:
     chosen = parser.parse_args()
     COPY.mkdir(parents=True, exist_ok=True)
     _copy()
-    of_python = [
-        mutant
-        for path in modules()
-        for mutant in python_mutants(ROOT, path)
-        if not why_equivalent(mutant)
-    ]
+    every = [mutant for path in modules() for mutant in python_mutants(ROOT, path)]
+    gone = EQUIVALENT.keys() - set(map(key_of, every))
+    if gone:
+        raise SystemExit(f"no mutants any more: {gone}")
+    of_python = [mutant for mutant in every if not why_equivalent(mutant)]
     of_core = list(core_mutants()) if chosen.core else []
     print(f"{len(of_core)} mutants of the core, {len(of_python)} of Python", flush=True)
     sample = _sample(of_python, chosen.python, chosen.seed, chosen.only)

@@ -61,7 +61,7 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
     ): "no log has so large members: a block is a minute of work",
     (
         "maps/judge.py",
-        '"nanoseconds": np.full(len(flat), 1e9 * (time.thread_time() - began) / len(flat)),',
+        '"nanoseconds": np.full(len(flat), 1e9 * (clock() - began) / len(flat)),',
         "1000000000.0 -> 1000000001.0",
     ): "a measured time is not known to 1e-9 of itself",
     (
@@ -74,6 +74,11 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         'given.setdefault("t_end", 1.0)  # the longest one is taken from the values',
         "1.0 -> 2.0",
     ): "the horizon of the map is the longest one of its axis",
+    (
+        "maps/axes.py",
+        "return bool(np.ptp(steps) <= 1e-6 * abs(steps[0]))",
+        "np.ptp(steps) <= 1e-06 * abs(steps[0]) -> np.ptp(steps) < 1e-06 * abs(steps[0])",
+    ): "no steps scatter by the tolerance to the last bit",
     (
         "maps/sequential.py",
         "bound = (1.3 / half_width) ** 2 + 4 * LOOK",
@@ -137,11 +142,15 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
 }
 
 
+def key_of(mutant: Mutant) -> tuple[str, str, str]:
+    """Module in `python/rigid`, line, and change."""
+    return mutant.path.removeprefix("python/rigid/"), mutant.source, mutant.change
+
+
 def why_equivalent(mutant: Mutant) -> str | None:
     """Why a mutant computes the same; None if it does not."""
-    module = mutant.path.removeprefix("python/rigid/")
     if "reshape(-1" in mutant.source and mutant.change == "1 -> 2":
         return "NumPy takes each negative length for the one that follows from the others"
     if "strict=True" in mutant.source and mutant.change == "True -> False":
         return "zip takes lists of one length, by construction: the flag guards against our faults"
-    return EQUIVALENT.get((module, mutant.source, mutant.change))
+    return EQUIVALENT.get(key_of(mutant))

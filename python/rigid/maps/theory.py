@@ -460,7 +460,7 @@ def falling_lag(mgl: Floats, cross: Floats, axial: Floats, c: Floats, growth: Fl
 def _nutation_bound(momentum: Floats, weight: Floats, limit: float) -> Floats:
     """Largest tilt at release whose nutation stays below the limit; ``weight`` is ``mgl I1``."""
     cosine = math.cos(limit) + math.sin(limit) ** 2 * 2.0 * weight / momentum
-    return np.where(cosine < 1.0, np.arccos(np.clip(cosine, -1.0, 1.0)), 0.0)
+    return np.where(cosine < 1.0, np.arccos(cosine), 0.0)
 
 
 def _horizon_bound(

@@ -28,6 +28,10 @@ def test_a_notebook_of_each_tutorial_is_written(tmp_path: Path, capfd: Capture) 
     for name in names:
         read: Any = nbformat.read(folder / name, as_version=4)  # type: ignore[no-untyped-call]
         nbformat.validate(read)
+        # As Jupyter writes it: what a reader saves there differs in what the reader changed.
+        assert (read.nbformat, read.nbformat_minor) == (4, 5)
+        text = (folder / name).read_text(encoding="utf-8")
+        assert json.dumps(json.loads(text), indent=1, ensure_ascii=False) + "\n" == text
         title, *_ = read.cells
         assert title.cell_type == "markdown"
         assert title.source.startswith("# ")

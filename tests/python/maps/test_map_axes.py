@@ -104,6 +104,28 @@ def test_the_law_of_the_middle_axis_holds_at_every_horizon() -> None:
     assert result.disagreement().sum() <= 4
 
 
+def test_the_condition_of_a_pixel_is_the_median_of_its_first_bodies() -> None:
+    """Of each body by the function for one motion; a body of the third pixel cannot exist."""
+    result = small_map(axes={"I2/I1": [1.2, 1.8, 5.0]}, samples=5, t_end=7.0)
+    starts = result.starts(range(5))
+    for count in (1, 2, 5):
+        found = result.condition(count)
+        for pixel in (0, 1):
+            body = rigid.Body(result.spec.grid.moments[pixel])
+            alone = rigid.condition(
+                body, starts.omega[pixel, :count], starts.attitude[pixel, :count], t=[7.0]
+            )
+            assert found[pixel] == np.median(alone)
+        assert np.isnan(found[2])
+    np.testing.assert_array_equal(result.condition(), result.condition(1))
+    with pytest.raises(ValueError, match="samples = 6: the map has 5 in a pixel"):
+        result.condition(6)
+    seen = result.outcomes(range(5))
+    for name, nothing in (("outcome", ""), ("method", ""), ("flips", 0), ("steps", 0)):
+        assert (getattr(seen, name)[2] == nothing).all()
+        assert (getattr(seen, name)[:2] != nothing).all() == (name != "flips")
+
+
 # Any number of axes
 
 

@@ -512,12 +512,14 @@ def test_a_circle_is_one_closed_line() -> None:
     assert abs(angles[-1] - angles[0]) == pytest.approx(2.0 * np.pi)
 
 
-def test_a_line_ends_at_the_edges_and_where_the_field_is_unknown() -> None:
+@pytest.mark.parametrize("place", [-0.97, 0.33, 0.97])
+def test_a_line_ends_at_the_edges_and_where_the_field_is_unknown(place: float) -> None:
+    """Also in the first and in the last column of squares."""
     x, y = np.linspace(-1.0, 1.0, 21), np.linspace(0.0, 2.0, 41)
-    field = np.tile(x - 0.33, (41, 1))
+    field = np.tile(x - place, (41, 1))
     field[20] = np.nan
     first, second = sorted(zero_lines(x, y, field), key=lambda line: line[:, 1].min())
-    np.testing.assert_allclose(np.concatenate([first, second])[:, 0], 0.33, rtol=1e-15)
+    np.testing.assert_allclose(np.concatenate([first, second])[:, 0], place, rtol=1e-15)
     assert {0.0, y[19]} == {*first[[0, -1], 1]}
     assert {y[21], 2.0} == {*second[[0, -1], 1]}
 
@@ -530,3 +532,11 @@ def test_hyperbolas_do_not_meet() -> None:
     assert [len({*np.sign(line[:, 0])}) for line in lines] == [1, 1]
     for line in lines:
         np.testing.assert_allclose(np.prod(line, axis=1), 0.1, rtol=1e-13)
+
+
+def test_a_line_does_not_go_on_at_the_other_edge() -> None:
+    """It falls by a row of squares from the left to the right edge."""
+    x, y = np.linspace(-1.0, 1.0, 21), np.linspace(0.0, 2.0, 41)
+    (line,) = zero_lines(x, y, y[:, np.newaxis] - 1.05 + 0.025 * x)
+    assert sorted(line[[0, -1], 0]) == [-1.0, 1.0]
+    np.testing.assert_allclose(line[:, 1], 1.05 - 0.025 * line[:, 0], rtol=1e-14)

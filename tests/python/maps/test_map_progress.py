@@ -7,7 +7,6 @@ import pytest
 
 import rigid
 from processes import PATIENCE, python_process
-from rigid.store import drive
 from rigid.store.drive import SHORTEST, Intake
 from rigid.store.rows import NO_BINS, ROW, Block
 from rigid.store.running import Memory
@@ -172,7 +171,7 @@ def taken(
             nonlocal clock
             clock += append
 
-    monkeypatch.setattr(drive.time, "perf_counter", lambda: clock)
+    monkeypatch.setattr("rigid.store.drive.time.perf_counter", lambda: clock)
     intake = Intake(Slow(spec_of(samples=1)), lambda *_: None, threads)
     for _ in range(blocks):
         cost = np.resize(1e9 * np.array(costs), intake.units).astype(np.float32)

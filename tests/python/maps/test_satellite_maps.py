@@ -13,6 +13,7 @@ from rigid.cli.toml_map import read_spec
 from rigid.maps.satellites import median_across, time_to_separatrix
 from rigid.maps.spec import MapSpec
 from rigid.maps.theory import predict
+from rigid.maps.watched import DISTANCE, watched
 from rigid.store.call import run_map
 from small_maps import spec_of
 
@@ -317,6 +318,10 @@ def test_the_words_of_a_map_on_an_orbit_are_those_of_its_axes_and_of_what_is_con
     said = result.summary()
     assert "orbit at 1 rad/s, eccentricity varied" in said
     assert "circular" not in said
+    # On the ellipse, not on the circle beside it, the distance from the planet changes.
+    assert DISTANCE in [chart for chart, _ in watched(result.spec)]
+    circles = result.spec.replace(axes={"eccentricity": [0.0]})
+    assert DISTANCE not in [chart for chart, _ in watched(circles)]
     drift = next(line for line in said.splitlines() if line.startswith("worst drift"))
     assert "energy" not in drift
     assert "unit lengths" in drift

@@ -164,7 +164,7 @@ def test_the_cheapest_run_comes_first_and_every_method_runs_once(
         return Measured(steps, state, state, 0.0, 0.0, call=1.0)
 
     monkeypatch.setattr(sweeping, "_measure", measure)
-    monkeypatch.setattr(sweeping.time, "perf_counter", lambda: clock[0])
+    monkeypatch.setattr("rigid.reports.sweep.time.perf_counter", lambda: clock[0])
     ensemble = ensemble_of(make_spec(BOX, THROW, t_end=0.5, bodies=2, errors=[1e-9]))
     horizon = Horizon(0.0, ensemble, Reference("exact", 0, 1e-12, 1e-12), None)
     sweeps, told = [Sweep("rk4"), Sweep("dop853")], []
@@ -223,7 +223,7 @@ def test_rounds_of_timings_go_on_until_nine_or_the_time_is_over(
 
     monkeypatch.setattr(sweeping, "_time_steps", spent)
     monkeypatch.setattr(sweeping, "_time_closed_form", spent)
-    monkeypatch.setattr(sweeping.time, "perf_counter", lambda: clock[0])
+    monkeypatch.setattr("rigid.reports.sweep.time.perf_counter", lambda: clock[0])
     runs = [Measured(steps, state, state, 0.0, 0.0, call=1.0) for steps in (0, 10)]
     sweeps = [Sweep("exact", {0: [runs[0]]}), Sweep("rk4", {10: [runs[1]]})]
     told: list[float] = []
@@ -319,7 +319,7 @@ def test_the_reference_is_not_converged_in_no_time_and_says_so() -> None:
 
 
 class Converging:
-    """An ensemble whose runs of n and 2 n steps are apart as told; a run is its number of steps."""
+    """An ensemble whose runs of n and 2 n steps are apart as told."""
 
     angle, rates = 10.0, np.array([0.0, 0.0])
     spec = SimpleNamespace(t_end=1.0)
@@ -327,16 +327,18 @@ class Converging:
     def __init__(self, apart: list[float], fewest: int = 1) -> None:
         self._apart, self._fewest = apart, fewest
         self.runs: list[int] = []
+        self.made: dict[int, Any] = {}
 
     def run(self, method: str, steps: int) -> Any:
         assert method == "taylor26"
         if steps < self._fewest:
             raise ValueError("so long a step is unstable")
         self.runs.append(steps)
-        return steps
+        self.made[steps] = SimpleNamespace(steps=steps)
+        return self.made[steps]
 
-    def distance(self, before: int, after: int) -> tuple[Floats, Floats]:
-        assert after == 2 * before
+    def distance(self, before: Any, after: Any) -> tuple[Floats, Floats]:
+        assert after.steps == 2 * before.steps
         apart = self._apart[len(self.runs) - 2]
         return np.array([apart, 4.0 * apart]), np.zeros(2)
 
@@ -360,8 +362,10 @@ def test_a_reference_has_converged_where_half_the_step_brings_nothing_new(
     ensemble: Any = Converging(apart)
     found, truth = find_reference(ensemble, ["rk4", "taylor26", "dop853"], lambda _: True)
     assert ensemble.runs == [20 * 2**k for k in range(len(apart) + 1)]
-    assert (found.method, found.steps, truth) == ("taylor26", steps, steps)
-    assert (found.uncertainty, found.worst) == (pytest.approx(2.5 * error), 4.0 * error)
+    assert (found.method, found.steps) == ("taylor26", steps)
+    assert truth is ensemble.made[steps]
+    assert found.uncertainty == pytest.approx(2.5 * error)
+    assert found.worst == 4.0 * error
 
 
 def test_a_reference_ends_when_the_next_run_would_take_too_long(
@@ -369,7 +373,9 @@ def test_a_reference_ends_when_the_next_run_would_take_too_long(
 ) -> None:
     """A run of n steps takes n s, and the next one twice as long; two comparisons are made."""
     ensemble: Any = Converging([1e-3, 1e-5, 1e-7, 1e-9], fewest=50)
-    monkeypatch.setattr(referring.time, "perf_counter", lambda: float(sum(ensemble.runs)))
+    monkeypatch.setattr(
+        "rigid.reports.reference.time.perf_counter", lambda: float(sum(ensemble.runs))
+    )
     asked: list[float] = []
 
     def allowed(seconds: float) -> bool:
@@ -380,13 +386,15 @@ def test_a_reference_ends_when_the_next_run_would_take_too_long(
     # 20 and 40 steps are too few.
     assert ensemble.runs == [80, 160, 320, 640]
     assert asked == [640.0, 1280.0]
-    assert (found.steps, truth) == (640, 640)
+    assert found.steps == 640
+    assert truth is ensemble.made[640]
     assert found.worst == pytest.approx(4e-7)
     # Rounding is 1e-15 of a radian, and of each that is turned.
     exact: Any = Converging([0.0] * 3)
     exact.rates = np.array([1.0, 5.0])
     found, _ = find_reference(exact, ["taylor26"], lambda _: True)
-    assert (found.uncertainty, found.worst) == (pytest.approx(4e-15), pytest.approx(6e-15))
+    assert found.uncertainty == pytest.approx(4e-15)
+    assert found.worst == pytest.approx(6e-15)
 
 
 def test_a_method_that_takes_no_step_is_no_reference() -> None:
@@ -427,7 +435,7 @@ def test_a_longer_reference_is_looked_for_while_there_is_time_and_phase(
         return Reference("taylor26", 1, worst, worst), None
 
     monkeypatch.setattr(referring, "find_reference", find)
-    monkeypatch.setattr(referring.time, "perf_counter", lambda: float(sum(searched)))
+    monkeypatch.setattr("rigid.reports.reference.time.perf_counter", lambda: float(sum(searched)))
     told: list[int] = []
     found = find_horizons(
         spec, ["rk4"], lambda seconds: seconds < limit, lambda: told.append(len(searched))
@@ -1007,14 +1015,13 @@ def test_progress_only_grows_and_ends_at_its_total() -> None:
 def test_stages_share_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of 1000 s 150 are for the reference, 200 for a run of each step, the rest for repeats."""
     ends: dict[str, float] = {}
-    search = compute.find_horizons
 
     def until(name: str, allowed: Callable[[float], bool]) -> None:
         ends[name] = max(seconds for seconds in range(0, 1100, 10) if allowed(seconds))
 
     def find(spec: Any, usable: Any, allowed: Any, told: Any) -> Any:
         until("reference", allowed)
-        return search(spec, usable, allowed, told)
+        return find_horizons(spec, usable, allowed, told)
 
     monkeypatch.setattr(compute, "find_horizons", find)
     for name in ("sweep_methods", "time_sweeps"):

@@ -11,7 +11,7 @@ import pytest
 
 import rigid
 from refusals import refuses
-from rigid.store import log, resume
+from rigid.store import resume
 from rigid.store.disk import Disk
 from rigid.store.log import Log
 from rigid.store.rows import ROW, Block
@@ -324,7 +324,7 @@ def test_rows_are_on_the_disk_after_half_a_second(
             written += 1
             super().synchronise(descriptor)
 
-    monkeypatch.setattr(log.time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr("rigid.store.log.time.monotonic", lambda: clock[0])
     folder = Folder.at(tmp_path / "run", SPEC)
     own = Log(folder.path / "logs", folder.head.seal, {}, Counting())
     rows = Block(np.zeros(1, ROW), np.zeros(1, np.float32))
