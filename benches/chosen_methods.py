@@ -18,7 +18,7 @@ from timing import Floats, in_turns, moved, over, parser, required, sized
 
 import rigid
 from rigid import _core
-from rigid.solve.bodies import bodies_of
+from rigid.model.bodies import bodies_of
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
 SPINS = sized((1.0, 3.0, 7.0, 15.0, 40.0), (1.0, 40.0))

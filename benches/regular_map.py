@@ -21,7 +21,7 @@ from timing import Floats, counted, in_turns, moved, over, parser, share, sized
 
 import rigid
 from rigid import _core
-from rigid.solve.bodies import Bodies
+from rigid.model.bodies import Bodies
 
 sys.path.insert(0, str(Path(__file__).parent / "peers"))
 from numba_side import DOP853, numba, written

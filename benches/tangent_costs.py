@@ -16,7 +16,7 @@ from timing import Moved, in_turns, moved, over, parser, sized
 
 import rigid
 from rigid import _core
-from rigid.solve.bodies import Bodies
+from rigid.model.bodies import Bodies
 from rigid.solve.request import Request
 
 BODIES, STEPS = sized((512, 1024), (512, 128))

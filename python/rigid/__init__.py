@@ -17,10 +17,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import exact
+from ._checks.moments import MomentsWarning
 from ._checks.progress import Interrupted, Progress
 from ._core import __version__
-from ._moments import MomentsWarning
 from .citing import cite
+from .fits.fit import Fit, FitWarning, fit
 from .info import build_info
 from .maps.replay import Replay
 from .maps.samples import Outcomes, Starts
@@ -85,14 +86,14 @@ from .sections.surface import Section, section
 from .solve.attitude_ephemeris import AttitudeEphemeris, load_aem
 from .solve.chunks import simulate_chunks
 from .solve.events import Events
-from .solve.fit import Fit, FitWarning, fit
 from .solve.frequencies import FrequencyDrift, Lines, frequencies, frequency_drift
 from .solve.growth import Growth, LyapunovTime
 from .solve.lyapunov import lyapunov
 from .solve.methods import Method, methods
 from .solve.motion import Motion
 from .solve.plan import Plan
-from .solve.run import OrbitStates, Run, load_run
+from .solve.run import OrbitStates, Run
+from .solve.saved import load_run
 from .solve.simulate import simulate
 from .solve.status import Status
 from .solve.tangent import condition

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .maps.core_request import CoreRequest
-from .solve.bodies import Bodies
+from .model.bodies import Bodies
 from .solve.request import Request
 
 __all__ = [

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, shaped, together, vector
 from ._checks.arrays import Floats
+from ._checks.moments import possible_tensor
 from ._checks.overflow import refuses_overflow
-from ._moments import possible_tensor
 
 __all__ = [
     "Analogy",

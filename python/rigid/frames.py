@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._checks.arguments import finite_float, shaped, together, vectors
-from ._checks.arrays import Floats
+from ._checks.arrays import Floats, require
 from ._checks.overflow import refuses_overflow
 
 __all__ = [
@@ -303,9 +303,7 @@ def fictitious_forces(
     >>> float(rider.centrifugal[0]), float(rider.coriolis[0])
     (1260.0, -420.0)
     """
-    m = shaped("mass", mass)
-    if (m < 0.0).any():
-        raise ValueError(f"mass = {m[m < 0.0][0]}: must not be negative")
+    m = shaped("mass", mass, nonnegative=True)
     r, v, w, dw, a = vectors(
         position=position,
         velocity=velocity,
@@ -360,9 +358,7 @@ def earth_frame(
     31.8
     """
     angle = shaped("latitude", latitude)
-    outside = np.abs(angle) > 0.5 * np.pi
-    if outside.any():
-        raise ValueError(f"latitude = {angle[outside][0]}: must lie in [-pi/2, pi/2] (rad)")
+    require("latitude", angle, np.abs(angle) <= 0.5 * np.pi, "must lie in [-pi/2, pi/2] (rad)")
     spin, arm = finite_float("rate", rate), finite_float("radius", radius, nonnegative=True)
     north, up, zero = np.cos(angle), np.sin(angle), np.zeros_like(angle)
     omega = spin * np.stack([zero, north, up], axis=-1)

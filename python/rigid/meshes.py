@@ -24,8 +24,8 @@ from ._checks.extras import install_extra
 from ._checks.overflow import refuses_overflow
 from ._checks.quantities import LARGE_SIDE, LEAST_DENSITY, plain
 from ._checks.warned import warn_caller
-from .inertia.mass_properties import MassProperties, tensor_of_squares
 from .rotations import quaternion_to_matrix
+from .solids.mass_properties import MassProperties, tensor_of_squares
 
 __all__ = ["file_properties", "mesh_properties", "read_mesh"]
 

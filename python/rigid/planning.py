@@ -14,13 +14,13 @@ from ._timing import LEAST_SHARE, LEAST_STEPS, seconds_of_one
 from .maps.job import to_core
 from .maps.plan import map_plan, of_one_pixel, shortened
 from .maps.spec import MapSpec
+from .model.bodies import bodies_of
 from .model.body import Body
 from .model.criteria import known_criteria
 from .model.criterion import Criterion
 from .model.mixture import Mixture
 from .model.scene import Scene, check_scene
 from .model.start import Start
-from .solve.bodies import bodies_of
 from .solve.choose_method import plan_states
 from .solve.closed_form import RECORDS
 from .solve.methods import EXACT

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._checks.arguments import finite_float, numbers, shaped, sorted_times, vector
+from ._checks.arguments import finite_float, of_shape, shaped, sorted_times, vector
 from ._checks.arrays import Floats
 from ._checks.quantities import plain
 from .model.body import Body
 from .model.scene import FreeBody
-from .particles import degrees_of_freedom, pairs_of, refuse_coincidence
+from .particles.systems import degrees_of_freedom, pairs_of, refuse_coincidence
 from .solve.simulate import simulate
 
 __all__ = ["Law", "Modes", "PairSystem", "SpringPath", "pair_system", "spring_body"]
@@ -567,17 +567,10 @@ def _bodies(masses: ArrayLike, positions: ArrayLike) -> tuple[Floats, Floats]:
     if r.ndim != 2 or len(r) == 0:
         raise ValueError(f"positions: expected shape (N, 3) of one or more, got {r.shape}")
     m = vector("masses", masses, len(r))
-    if (m <= 0.0).any():
-        raise ValueError(f"masses = {m[m <= 0.0][0]}: must be positive")
-    return m, r
+    return of_shape("masses", m, len(r), positive=True), r
 
 
 def _of_pairs(name: str, value: ArrayLike, count: int) -> Floats:
     """One number for each pair, or one for all."""
-    array = numbers(name, value)
-    if array.ndim == 0:
-        array = np.full(count, finite_float(name, value))
-    array = vector(name, array, count)
-    if (array < 0.0).any():
-        raise ValueError(f"{name} = {array[array < 0.0][0]}: must not be negative")
-    return array
+    array = shaped(name, value, nonnegative=True)
+    return vector(name, array, count) if array.ndim else np.full(count, array)

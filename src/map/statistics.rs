@@ -313,7 +313,7 @@ columns! {
     audited: u64 Sum, "1", "audited bodies", true, |s| u64::from(s.audited && s.second.is_some_and(Outcome::was_run));
     /// Audited samples that the cross-check classifies otherwise.
     audited_undecided: u64 Sum, "1", "undecided bodies among the audited", true,
-        |s| u64::from(s.audited && s.class == Class::Undecided);
+        |s| u64::from(s.audited && s.second.is_some_and(Outcome::was_run) && s.class == Class::Undecided);
     /// Failed samples that would have needed too many steps.
     step_limit: u64 Sum, "1", "step limit bodies", true, |s| u64::from(s.first.status == Status::StepLimit);
     /// Failed samples that overflowed.

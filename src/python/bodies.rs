@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyString;
 use std::ops::Range;
 
-/// `rigid.solve.bodies.Bodies`: columns with a row for each body, or with one row for all.
+/// `rigid.model.bodies.Bodies`: columns with a row for each body, or with one row for all.
 #[derive(FromPyObject)]
 pub struct Bodies<'py> {
     kind: Bound<'py, PyString>,

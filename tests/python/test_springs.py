@@ -330,7 +330,7 @@ def test_a_triangle_that_springs_cannot_close_lies_on_a_line() -> None:
 REFUSED: list[tuple[Any, ...]] = [
     (
         lambda: springs.pair_system([1.0, 0.0], FOUR[:2], stiffness=1.0),
-        "masses = 0.0: must be positive",
+        "masses[1] = 0.0: must be positive",
     ),
     (
         lambda: springs.pair_system([1.0], FOUR[:2], stiffness=1.0),
@@ -355,6 +355,10 @@ REFUSED: list[tuple[Any, ...]] = [
     (
         lambda: springs.pair_system(np.ones(4), FOUR, stiffness=-1.0),
         "stiffness = -1.0: must not be negative",
+    ),
+    (
+        lambda: springs.pair_system(np.ones(3), FOUR[:3], stiffness=[0.0, 1.0, -2.0]),
+        "stiffness[2] = -2.0: must not be negative",
     ),
     (
         lambda: springs.pair_system(np.ones(4), FOUR, stiffness=[1.0, 2.0]),

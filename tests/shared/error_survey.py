@@ -6,8 +6,8 @@ import numpy as np
 
 import rigid
 from physics import EVERY_METHOD, NAMES, Floats, present, rotation_angle
+from rigid.model.bodies import bodies_of
 from rigid.model.scene import Scene
-from rigid.solve.bodies import bodies_of
 
 
 def final_error(run: rigid.Run, omega: Floats, attitude: Floats, fastest: float) -> float:

@@ -7,7 +7,7 @@ import numpy as np
 import rigid
 from rigid.animation import film
 from rigid.animation.film import Film, Part
-from rigid.solve.run import recording_of
+from rigid.solve.run import _recording_of
 
 BOX = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.04, mass=0.3))
 OBLATE = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.6)))
@@ -23,7 +23,7 @@ def run_of(scene: Any, omega: Any = (0.9, 0.1, 1.3), attitude: Any = None, **giv
 
 
 def film_of(run: rigid.Run, body: int | None = None, **options: Any) -> Film:
-    return film.film_of(recording_of(run, body), **options)
+    return film.film_of(_recording_of(run, body), **options)
 
 
 def part(film: Film, kind: str, *, label: str = "", carried: bool = False, which: int = 0) -> Part:

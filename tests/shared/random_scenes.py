@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from physics import ROUNDOFF, Floats, quaternion_product, rotation_angle
-from rigid.solve.bodies import Bodies
+from rigid.model.bodies import Bodies
 from rigid.solve.request import Request
 
 #: How far each way the bodies are followed: the angle turned at the fastest rate (rad).

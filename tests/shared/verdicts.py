@@ -9,8 +9,7 @@ import rigid
 from adversarial import KINDS, Case, Kinds, random_case
 from physics import ROUNDOFF, Floats, energy, gamma_of
 from quad_motion import Motion
-from rigid.solve.arrays import time_ranges
-from rigid.solve.bodies import bodies_of
+from rigid.model.bodies import bodies_of, time_ranges
 
 VERDICTS = ("right", "within 4uκ", "flagged", "refused", "status", "no truth", "UNDETECTED")
 

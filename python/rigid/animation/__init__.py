@@ -1,6 +1,6 @@
 """Animations of runs, as a page with a player or as a moving picture (GIF, WebP, MP4).
 
-The package knows scenes and arrays, not results: :meth:`rigid.Run.animate` and
+The package knows arrays and words, neither scenes nor results: :meth:`rigid.Run.animate` and
 :meth:`rigid.StabilityMap.explore` hand over what it shows.
 """
 

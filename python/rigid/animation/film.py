@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, one_of, one_time, shaped
 from .._checks.arrays import Floats, attitudes
+from .._checks.moments import refuse_rods, symmetry_axis
 from .._checks.quantities import plain
 from ..drawing import colours
 from ..drawing.shapes import (
@@ -21,13 +22,11 @@ from ..drawing.shapes import (
     plane_face,
     top_faces,
 )
-from ..model.body import Moments, refuse_rods
-from ..model.scene import FreeBody, HeavyTop, Scene, check_heavy_top, require_unforced
 from ..rotations.apply import to_space
 from .story import Recording, story_of, tilt_of
 
-VIEWS = {FreeBody.kind: ("box", "cones", "poinsot"), HeavyTop.kind: ("top",)}
-"""Views of each kind of scene."""
+VIEWS = ("box", "cones", "poinsot")
+"""Views of a free body; a heavy top has one, ``"top"``."""
 
 LONGEST = 20.0
 """Time (s) in which a longer motion is shown, if no speed is given; so does the explorer."""
@@ -126,7 +125,7 @@ class Film:
     Attributes
     ----------
     view : str
-        One of :data:`VIEWS`.
+        One of :data:`VIEWS`, or ``"top"``.
     title : str
         The scene in words.
     story : str
@@ -200,7 +199,7 @@ def film_of(
     shape: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> Film:
     """The frames of an animation of a body, with the arguments of :meth:`rigid.Run.animate`."""
-    scene, t, omega, attitude = one.scene, one.t, one.omega, one.attitude
+    t, omega, attitude, momentum = one.t, one.omega, one.attitude, one.momentum
     if trail is not None and trail != np.inf:
         trail = finite_float("trail", trail, positive=True)
     if len(t) < 2:
@@ -209,29 +208,27 @@ def film_of(
     if speed is None:
         speed = max(1.0, span / LONGEST)
     speed = finite_float("speed", speed, positive=True)
-    view = _chosen(scene, view, shape is not None)
+    view = _chosen(one, view, shape is not None)
     solid = None if shape is None else faces_of(shape, frame=one.frame)
-    rotor = scene.momentum_of_rotor(t)
-    momentum = to_space(attitude, np.array(scene.body.moments) * omega + rotor)
     size = float(np.linalg.norm(momentum[0]))
     chart, polhode = Chart("ω (rad/s)", ("ω₁", "ω₂", "ω₃"), AXES, omega.T), None
     grounded = False
     if view == "top":
-        parts, up = _top(check_heavy_top(scene), attitude, solid), UP
+        parts, up = _top(one, solid), UP
         chart = Chart("tilt (°)", (), (AXES[2],), tilt_of(one)[np.newaxis])
         body = (parts[0].placed(attitude[k], k) for k in _some_frames(attitude))
         grounded = min(float(corners[..., 2].min()) for corners in body) > -0.02
-    elif scene.orbit is not None:
-        radial, _, normal = np.moveaxis(scene.orbit.frame(t), -1, 0)
+    elif one.orbit is not None:
+        radial, _, normal = np.moveaxis(one.orbit, -1, 0)
         parts, up = _box(one, momentum, solid) + _planet(-radial, normal[0]), normal[0]
-    elif scene.forces:
+    elif one.forces:
         # A rotor and an energy sink leave the angular momentum at rest in space.
-        keeps = {*scene.forces} <= {"rotor", "dissipation"} and size > 0.0
+        keeps = {*one.forces} <= {"rotor", "dissipation"} and size > 0.0
         parts, up = _box(one, momentum, solid), momentum[0] / size if keeps else UP
     else:
         if size == 0.0:
             raise ValueError("omega = [0, 0, 0]: a free body at rest does not move")
-        up, polhode = momentum[0] / size, _polhode(scene.body.moments, omega)
+        up, polhode = momentum[0] / size, _polhode(one.moments, omega)
         if view == "box":
             parts = _box(one, momentum[:1], solid)
         else:
@@ -239,12 +236,12 @@ def film_of(
     steps = np.diff(t)
     if trail is None:
         trail = np.inf if view == "poinsot" else 0.25 * span
-        if scene.orbit is not None:  # of many revolutions the last two turns or so
+        if one.orbit is not None:  # of many revolutions the last two turns or so
             trail = min(trail, 12.0 / max(float(np.linalg.norm(omega, axis=1).mean()), 1e-300))
     centre, reach = _room(parts, attitude, up)
     return Film(
         view=view,
-        title=scene.words(),
+        title=one.title,
         story=story_of(one, view),
         name=f"ω = ({', '.join(f'{rate:.3g}' for rate in omega[0])}) rad/s",
         t=t,
@@ -329,12 +326,12 @@ def side_by_side(films: Sequence[Film]) -> list[Film]:
     ]
 
 
-def _polhode(moments: Moments, omega: Floats) -> Polhode:
+def _polhode(moments: Floats, omega: Floats) -> Polhode:
     """Path and separatrix; on the separatrix the energy is ``L² / (2 I)`` of the middle axis."""
-    momentum = np.array(moments) * omega
+    momentum = moments * omega
     points = momentum / np.linalg.norm(momentum, axis=1, keepdims=True)
     low, mid, high = np.argsort(moments)
-    inverse = 1.0 / np.array(moments)
+    inverse = 1.0 / moments
     first, last = inverse[low] - inverse[mid], inverse[mid] - inverse[high]
     if first <= 0.0 or last <= 0.0:
         return Polhode(points, ())
@@ -364,33 +361,37 @@ def _some_frames(attitude: Floats) -> NDArray[np.int64]:
     return np.unique(np.linspace(0, len(attitude) - 1, 64).astype(int))
 
 
-def _chosen(scene: Scene, view: str | None, has_shape: bool) -> str:
+def _chosen(one: Recording, view: str | None, has_shape: bool) -> str:
     """The requested view, or the default view of the scene."""
     if view is not None:
-        one_of("view", view, VIEWS[scene.kind])
+        one_of("view", view, ("top",) if one.is_top else VIEWS)
         if view in ("cones", "poinsot"):
-            require_unforced(scene, f"view = {view!r}")
+            if one.forces:
+                raise ValueError(
+                    f"scene = {one.title}: view = {view!r} needs a scene without {one.acting}; "
+                    "rigid.simulate integrates the motion"
+                )
             if has_shape:
                 raise ValueError(f"view = {view!r}: does not show the shape; omit one of them")
         return view
-    if len(VIEWS[scene.kind]) == 1:
-        return VIEWS[scene.kind][0]
-    if scene.body.sides is not None or scene.forces or has_shape:
+    if one.is_top:
+        return "top"
+    if one.sides is not None or one.forces or has_shape:
         return "box"
-    return "cones" if len(set(scene.body.moments)) == 2 else "poinsot"
+    return "cones" if len(set(one.moments.tolist())) == 2 else "poinsot"
 
 
 def _box(one: Recording, momentum: Floats, solid: Floats | None) -> tuple[Part, ...]:
     """A thrown box, or a solid, with its axes, omega and L, relative to the centre of mass."""
     meaning = ""
     if solid is None:
-        sides = one.scene.body.sides
+        sides = one.sides
         if sides is None:
             # The homogeneous box with these moments: squared sides are proportional to second
             # moments.
-            spread = _spread(one.scene.body.moments)
+            spread = _spread(one.moments)
             meaning = "" if (spread >= 0.0).all() else "flat box: no body has the moments"
-            sides = tuple(np.sqrt(np.maximum(spread, 0.0)))
+            sides = np.sqrt(np.maximum(spread, 0.0)).tolist()
         half = np.maximum(np.array(sides) / max(sides), 0.02)
         solid, inks = box_faces(half), tuple(colour for colour in AXES for _ in range(2))
     else:
@@ -409,9 +410,9 @@ def _box(one: Recording, momentum: Floats, solid: Floats | None) -> tuple[Part, 
 
 def _cones(one: Recording, momentum: Floats) -> tuple[Part, ...]:
     """Body cone and space cone, which touch along omega."""
-    moments, omega = np.array(one.scene.body.moments), one.omega[0]
+    moments, omega = one.moments, one.omega[0]
     refuse_rods(moments)
-    number = one.scene.body.symmetry_axis
+    number = symmetry_axis(moments)
     if number is None:
         found = moments.tolist()
         raise ValueError(f"moments = {found}: a symmetric top has two exactly equal moments")
@@ -437,7 +438,7 @@ def _angle(one: Floats, other: Floats) -> float:
 
 def _poinsot(one: Recording, momentum: Floats) -> tuple[Part, ...]:
     """The inertia ellipsoid, which rolls on the invariable plane: polhode and herpolhode."""
-    moments, omega = np.array(one.scene.body.moments), one.omega
+    moments, omega = one.moments, one.omega
     in_body = moments * omega[0]
     size = np.linalg.norm(in_body)
     twice_energy = (in_body * omega[0]).sum()
@@ -467,19 +468,19 @@ def _poinsot(one: Recording, momentum: Floats) -> tuple[Part, ...]:
     )
 
 
-def _top(scene: HeavyTop, attitude: Floats, solid: Floats | None) -> tuple[Part, ...]:
+def _top(one: Recording, solid: Floats | None) -> tuple[Part, ...]:
     """A top on its fixed point, and the path of the tip of its stem on a sphere."""
-    direction = np.array(scene.com)
+    direction = one.com
     inks: tuple[str, ...] = (BODY,)
     tip, path = 1.0, "path of the axis through the centre of mass"
     if solid is None:
-        solid = top_faces(direction, _spread(scene.body.moments), sectors=48)
+        solid = top_faces(direction, _spread(one.moments), sectors=48)
         inks, tip = (BODY,) * 6 + (AXES[0],) * 6, STEM
     turn = np.linspace(0.0, 2.0 * np.pi, 49)
     ring = np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)  # marks the fixed point
     return (
         Part("faces", solid, inks, carried=True),
-        Part("trail", tip * to_space(attitudes(attitude), direction), (AXES[2],), meaning=path),
+        Part("trail", tip * to_space(attitudes(one.attitude), direction), (AXES[2],), meaning=path),
         Part("arrow", 1.6 * UP[np.newaxis], (colours.VERTICAL.colour,), label="vertical"),
         Part("line", 0.12 * ring, (SPACE,), meaning="fixed point"),
     )
@@ -525,7 +526,6 @@ def _momentum(points: Floats) -> Part:
     return Part("arrow", points, (ink,), label="L", meaning="angular momentum")
 
 
-def _spread(moments: Moments) -> Floats:
+def _spread(moments: Floats) -> Floats:
     """``∫ x_i² dm`` along each principal axis."""
-    array = np.array(moments)
-    return np.asarray(0.5 * array.sum() - array)
+    return np.asarray(0.5 * moments.sum() - moments)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arrays import Floats, attitudes
-from ..model.forces import forces_in_words
-from ..model.sampled import Sampled
-from ..model.scene import HeavyTop, Scene, check_heavy_top
 from ..rotations.apply import to_space
 
 ALONG = 0.9
@@ -23,14 +22,24 @@ class Recording:
 
     Attributes
     ----------
-    scene : Scene
-        The scene of the body alone.
+    scene : mapping
+        The scene of the body alone, as plain data: :meth:`rigid.FreeBody.to_dict`.
+    title : str
+        The scene in words.
+    forces : tuple of str
+        The names of what acts on the body; the orbit is one.
+    acting, under : str
+        What acts on it in words; the same as the end of a sentence, with where on its orbit it is.
     t : ndarray, shape (m,)
         Times (s).
     omega : ndarray, shape (m, 3)
         Angular velocities in the body (rad/s).
     attitude : ndarray, shape (m, 4)
         Attitudes.
+    momentum : ndarray, shape (m, 3)
+        Angular momentum in space, rotors included (kg m²/s).
+    orbit : ndarray, shape (m, 3, 3), or None
+        The directions radial, along and normal of its orbit in space, as columns.
     frame : ndarray, shape (3, 3), or None
         The axes of a mesh of the body, as :attr:`rigid.Run.frame`; None: the principal axes.
     flip : float
@@ -39,18 +48,44 @@ class Recording:
         How many times the body turns over; 0 if it is not free.
     """
 
-    scene: Scene
+    scene: Mapping[str, Any]
+    title: str
+    forces: tuple[str, ...]
+    acting: str
+    under: str
     t: NDArray[np.float64]
     omega: NDArray[np.float64]
     attitude: NDArray[np.float64]
+    momentum: NDArray[np.float64]
+    orbit: NDArray[np.float64] | None
     frame: NDArray[np.float64] | None
     flip: float
     flips: int
 
+    @property
+    def moments(self) -> Floats:
+        """Principal moments (kg m²), shape (3,)."""
+        return np.array(self.scene["body"]["moments"])
+
+    @property
+    def sides(self) -> list[float] | None:
+        """The sides of a box (m), if it is one."""
+        sides: list[float] | None = self.scene["body"]["sides"]
+        return sides
+
+    @property
+    def is_top(self) -> bool:
+        """Whether it has weight and a fixed point; else it is free."""
+        return "com" in self.scene
+
+    @property
+    def com(self) -> Floats:
+        """Direction from the fixed point of a top to its centre of mass, shape (3,)."""
+        return np.array(self.scene["com"])
+
 
 def story_of(one: Recording, view: str) -> str:
     """What happens in a motion, in words, for a view of the film."""
-    scene, omega = one.scene, one.omega
     span = f"{one.t[-1] - one.t[0]:.3g} s"
     if view == "cones":
         return "A symmetric body turns freely: its cone rolls on a cone that is at rest in space."
@@ -67,36 +102,16 @@ def story_of(one: Recording, view: str) -> str:
             f"A heavy top starts at a tilt of {_degrees(tilt[0])}: in the frames of {span} its "
             f"tilt is between {least} and {most}."
         )
-    what = "A body" if scene.body.sides is None else "A box"
-    if scene.orbit is not None:
-        return f"{what} turns for {span}{_on_its_orbit(one)}."
-    if scene.forces:
-        return f"{what} turns for {span} under {forces_in_words(scene.forces)}."
-    axis = _axis_of_spin(omega)
+    what = "A body" if one.sides is None else "A box"
+    if one.forces:
+        return f"{what} turns for {span}{one.under}."
+    axis = _axis_of_spin(one.omega)
     if axis is None:
         return f"{what} turns freely for {span}: L is at rest in space, and ω moves."
-    rate = f"{np.linalg.norm(omega[0]):.3g} rad/s"
+    rate = f"{np.linalg.norm(one.omega[0]):.3g} rad/s"
     times = {1: "once", 2: "twice"}.get(one.flips, f"{one.flips} times")
     over = f"turns over {times}" if one.flips else "does not turn over"
-    return f"{what} spins at {rate} about {_named(scene, axis)}, and {over} in {span}."
-
-
-def _on_its_orbit(one: Recording) -> str:
-    """Where a body is while it turns, and what acts besides the gravity gradient."""
-    orbit = one.scene.orbit
-    assert orbit is not None
-    others = [name for name in one.scene.forces if name != "orbit"]
-    under = f", under the gravity gradient and {forces_in_words(others)}" if others else ""
-    if isinstance(orbit, Sampled):
-        return f" along a trajectory by a table{under}"
-    if orbit.eccentricity < 1.0:
-        periods = f"{orbit.rate * abs(one.t[-1] - one.t[0]) / (2.0 * np.pi):.3g}"
-        return f" ({'a period' if periods == '1' else f'{periods} periods'} of its orbit){under}"
-    nearest = -orbit.anomaly / orbit.rate
-    low, high = sorted((one.t[0], one.t[-1]))
-    if low <= nearest <= high:
-        return f" and passes a planet at t = {nearest:.3g} s{under}"
-    return f" {'before' if nearest > high else 'after'} it passes a planet{under}"
+    return f"{what} spins at {rate} about {_named(one.moments, axis)}, and {over} in {span}."
 
 
 def story_of_two(left: Recording, right: Recording) -> str:
@@ -107,16 +122,16 @@ def story_of_two(left: Recording, right: Recording) -> str:
         if apart == 0.0:
             return "The same motion on both sides."
         both = f"Two starts that differ by {apart:.3g} rad/s"
-    if isinstance(left.scene, HeavyTop) and isinstance(right.scene, HeavyTop):
+    if left.is_top and right.is_top:
         first, second = (_degrees(tilt_of(one).max()) for one in (left, right))
         tilts = f"the left top tilts up to {first}, the right top up to {second}"
         return f"{both}: in the frames {tilts}."
     axes = {_axis_of_spin(one.omega) for one in (left, right)}
-    if left.scene.forces or right.scene.forces or len(axes) != 1 or None in axes:
+    if left.forces or right.forces or len(axes) != 1 or None in axes:
         return f"{both}."
     if both.startswith("Two starts"):
         both = both.replace("starts", "throws")
-    what = "body" if left.scene.body.sides is None else "box"
+    what = "body" if left.sides is None else "box"
     if not left.flips and not right.flips:
         return f"{both}: neither {what} turns over in {left.t[-1] - left.t[0]:.3g} s."
     if left.flips and right.flips:
@@ -129,7 +144,7 @@ def story_of_two(left: Recording, right: Recording) -> str:
 
 def tilt_of(top: Recording) -> Floats:
     """Angle in degrees between the vertical and the direction to the centre of mass."""
-    axis = to_space(attitudes(top.attitude), np.array(check_heavy_top(top.scene).com))
+    axis = to_space(attitudes(top.attitude), top.com)
     return np.rad2deg(np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
 
 
@@ -139,8 +154,7 @@ def _axis_of_spin(omega: Floats) -> int | None:
     return axis if abs(omega[0, axis]) > ALONG * np.linalg.norm(omega[0]) else None
 
 
-def _named(scene: Scene, axis: int) -> str:
-    moments = np.array(scene.body.moments)
+def _named(moments: Floats, axis: int) -> str:
     same = int((moments == moments[axis]).sum())
     if len(set(moments.tolist())) == 3:
         smaller = int((moments < moments[axis]).sum())

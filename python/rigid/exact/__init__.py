@@ -6,9 +6,8 @@ and Goldstein, *Classical Mechanics*, §§ 5.6, 5.7; written with the symmetric 
 Carlson, *Numerical Algorithms* 10 (1995) 13, and arranged so that no digits cancel near a
 separatrix, a pole, or a symmetric or spherical body.
 
-The modules are ``elliptic``, ``free``, ``flips`` and ``top``. They use ``model``, ``_checks``, the
-core, and ``solve`` only for the bodies of a call and the test for a closed form. ``free``, ``top``
-and the figures use them.
+The modules are ``elliptic``, ``free``, ``flips`` and ``top``. They use ``model``, ``_checks``
+and the core. ``free``, ``top`` and the figures use them.
 """
 
 from .elliptic import agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj, jacobi

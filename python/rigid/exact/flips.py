@@ -10,12 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arguments import positive_int
 from .._checks.arrays import Floats
+from ..model.bodies import Bodies, bodies_of
 from ..model.body import Body
-from ..model.criteria import NoFlip
 from ..model.scene import Scene, check_scene, require_unforced
 from ..model.start import body_axis
-from ..solve.bodies import Bodies, bodies_of
-from ..solve.closed_form import closed_forms
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -82,7 +80,7 @@ def _require_closed_forms(scene: Scene, bodies: Bodies, axes: NDArray[np.intp]) 
     """Raise ValueError for a body that has no closed form for its axis."""
     for chosen in np.unique(axes).tolist():
         some = bodies.select(np.flatnonzero(np.broadcast_to(axes == chosen, len(bodies))))
-        if not closed_forms(NoFlip(chosen), some.moments, some.weight).all():
+        if not _core.closed_forms_for("no_flip", some.moments, some.weight, chosen).all():
             raise ValueError(
                 f"axis = {chosen}: no closed form for the {scene.words()}; there is one for a "
                 "free body, and for the symmetry axis of a Lagrange top"

@@ -9,13 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arrays import Floats, require, vectors
+from .._checks.moments import without_spin
 from .._checks.shown import short_repr
-from .._moments import without_spin
-from ..model.batch import batch_shape
+from ..model.batch import batch_shape, in_rows, rows_of_each
 from ..model.body import Body, rates_of_rods
 from ..model.body_like import body_of
 from ..model.scene import FreeBody
-from ..solve.arrays import in_rows, rows_of_each
 from .common import in_shape
 
 

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from .._checks.arguments import first_place
 from .._checks.arrays import Floats
-from ..model.body import refuse_rods
+from .._checks.moments import refuse_rods
+from ..model.batch import in_rows
+from ..model.bodies import lagrange_axes
 from ..model.scene import HeavyTop
-from ..solve.arrays import in_rows
-from ..solve.closed_form import lagrange_axes
 
 
 @dataclass(frozen=True, slots=True, eq=False)

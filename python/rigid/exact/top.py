@@ -16,9 +16,9 @@ from .._checks.arrays import Floats, finite_array, require
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
 from ..model.batch import batch_shape
+from ..model.bodies import bodies_of
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..model.start import body_axis
-from ..solve.bodies import bodies_of
 from .common import in_shape
 from .elliptic import agm
 from .symmetry import Symmetry, require_each, symmetry_of

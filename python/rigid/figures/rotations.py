@@ -13,7 +13,7 @@ from ..drawing import axes3d as draw
 from ..drawing import colours
 from ..drawing.shapes import box_faces
 from ..model.start import body_axis
-from ..particles import velocity_field
+from ..particles.motions import velocity_field
 from ..rotations.euler import euler_to_matrix, rotation_z
 from ..rotations.so3 import rotate
 from .free import turning

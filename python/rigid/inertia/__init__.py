@@ -14,8 +14,8 @@ energy, angular momentum       rotational_energy, kinetic_energy, energy_from_mo
                                angular_momentum, omega_from_momentum
 =============================  ===========================================================
 
-The package uses :mod:`rigid.rotations` and ``_checks``. :mod:`rigid.solids`, :mod:`rigid.meshes`
-and :class:`rigid.Body` use it.
+The package uses :mod:`rigid.solids`, :mod:`rigid.rotations` and ``_checks``. :class:`rigid.Body`
+uses it.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import finite_float, shaped
 from .._checks.arrays import Floats
-from .._moments import possible_moments, symmetric_tensor
-from .mass_properties import (
+from .._checks.moments import possible_moments, symmetric_tensor
+from ..solids.mass_properties import (
     MassProperties,
     compose,
     inertia_tensor,

@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import first_place, shaped
 from .._checks.arrays import Floats
-from .._moments import possible_tensor
+from .._checks.moments import possible_tensor
 from ..rotations.quaternions import quaternion_to_matrix, quaternions
-from .mass_properties import MassProperties
+from ..solids.mass_properties import MassProperties
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation

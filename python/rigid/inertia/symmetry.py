@@ -11,7 +11,7 @@ from .._checks.arguments import finite_float, shaped
 from .._checks.arrays import Floats
 from .._checks.overflow import refuses_overflow
 from ..rotations.quaternions import log_so3
-from .mass_properties import point_masses
+from ..solids.mass_properties import point_masses
 
 _AT_ONCE = 1_000_000
 """Number of points whose images are searched at once; bounds the memory."""

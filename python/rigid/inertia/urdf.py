@@ -12,7 +12,7 @@ import numpy as np
 from .._checks.arguments import brief, one_line, shaped
 from .._checks.arrays import Floats
 from ..rotations import rotation_x, rotation_y, rotation_z
-from .mass_properties import MassProperties
+from ..solids.mass_properties import MassProperties
 
 _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 

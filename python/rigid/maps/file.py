@@ -15,9 +15,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from .._archive import Archive, DamageError, FileError, ForeignError, write_archive
 from .._checks.arguments import one_line
 from .._checks.inputs import described
-from ..solve.archive import Archive, DamageError, FileError, ForeignError, write_archive
 from .axes import MOST_AXES, axis_letter
 from .data import CLASSES, STORED, MapData, check_counts
 from .measured import BIN

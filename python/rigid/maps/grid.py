@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arrays import Floats
 from .._checks.float_environment import in_standard_floats
-from .._moments import can_move, rods, without_spin
+from .._checks.moments import can_move, rods, without_spin
+from ..model.bodies import Bodies
 from ..model.body import rates_of_rods
 from ..model.forces import FORCES
 from ..model.noise import Noise
@@ -24,7 +25,6 @@ from ..model.scene import Scene
 from ..model.start import Start, tilted_attitude, tilted_rates
 from ..model.torque import Torque, forces_of
 from ..rotations.apply import to_body
-from ..solve.bodies import Bodies
 from .axes import Axis, in_order
 from .vary import Draws, Varied
 

@@ -152,14 +152,14 @@ class CustomJob(BlockedJob):
     ) -> dict[str, Any] | None:
         if interrupted is not None and interrupted():
             return None
-        began = time.thread_time()
+        # Of the threads of the core too, if there are any.
+        clock = time.thread_time if threads == 1 else time.process_time
+        began = clock()
         found = self._judged(flat, threads)
         statistics = _core.MapStatistics(len(flat), self._measures)
-        for measure in range(self._measures):
-            values, errors = (
-                np.ascontiguousarray(found[name][:, measure]) for name in ("measures", "errors")
-            )
-            statistics.add(measure, np.arange(len(flat), dtype=np.uint64), values, errors)
+        rows = np.arange(len(flat), dtype=np.uint64)
+        for k in range(self._measures):
+            statistics.add(k, rows, found["measures"][:, k], found["errors"][:, k])
         counts = {
             **{name: found["class"] == code for code, name in enumerate(CLASSES)},
             "checked": found["checked"],
@@ -175,8 +175,12 @@ class CustomJob(BlockedJob):
             **statistics.arrays(),
             "measures": statistics.bins(),
             **{name: values.astype(np.int64) for name, values in counts.items()},
-            **{name: found[name] for name in _DRIFTS},
-            "nanoseconds": np.full(len(flat), 1e9 * (time.thread_time() - began) / len(flat)),
+            # A drift of no number is one of a body that was not integrated.
+            **{
+                name: np.where(counts["not_finite"] & np.isnan(found[name]), np.inf, found[name])
+                for name in _DRIFTS
+            },
+            "nanoseconds": np.full(len(flat), 1e9 * (clock() - began) / len(flat)),
         }
 
     def _found(self, flat: Ints, threads: int) -> dict[str, NDArray[Any]]:
@@ -266,18 +270,15 @@ class CustomJob(BlockedJob):
             tolerance=tolerance,
             steps=steps,
         ).states(_core.ELSEWHERE if is_second and steps is None else 1.0)
-        nothing = np.full(count, np.nan)
-        drifts = {name: nothing if part[name] is None else part[name] for name in _DRIFTS}
-        worst = np.fmax.reduce([np.zeros(count), *drifts.values()])
+        drifts = {name: part[name] for name in _DRIFTS}
         status = part["status"].copy()
-        status[(status == Status.OK) & (worst > _core.DRIFT_LIMIT)] = Status.DRIFTED
+        has_drifted = np.fmax.reduce(list(drifts.values())) > _core.DRIFT_LIMIT
+        status[(status == Status.OK) & has_drifted] = Status.DRIFTED
         out: dict[str, NDArray[Any]] = {
             "class": np.full(count, FAILED, dtype=np.uint8),
             "status": status,
-            "steps": np.zeros(count, np.int64)
-            if part["steps"] is None
-            else part["steps"].astype(np.int64),
-            "step": nothing if steps is None else steps,
+            "steps": part["steps"].astype(np.int64),
+            "step": np.full(count, np.nan) if steps is None else steps,
             **drifts,
         }
         kept = np.flatnonzero(status == Status.OK)

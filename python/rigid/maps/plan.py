@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .._checks.arrays import Floats
 from .._timing import LEAST_STEPS
+from ..model.bodies import Bodies
 from ..model.body import Body
 from ..model.criterion import Criterion
 from ..model.forces import forces_in_words
@@ -18,7 +19,6 @@ from ..model.judged import Custom
 from ..model.mixture import Mixture
 from ..model.scene import Scene, check_scene
 from ..model.start import Start
-from ..solve.bodies import Bodies
 from ..solve.closed_form import NO_FORM, Codes, closed_forms, names, why_not
 from ..solve.methods import AUTO, EXACT
 from ..solve.plan import (

@@ -106,8 +106,9 @@ def stop_table(half_width: float) -> Looks:
     >>> dict(zip(looks.samples.tolist(), looks.most.tolist(), strict=True))
     {64: 1, 128: 7, 192: 19, 256: 37, 320: 64, 384: 101, 448: 158, 512: 256}
     """
-    # Of the widest interval, at s = n / 2: a normal distribution, and more than its correction.
-    bound = 1.2 * (2.18 / (2.0 * half_width)) ** 2 + 4.0 / half_width + 4 * LOOK
+    # Of the widest interval, at s = n / 2: a normal distribution has 1.18 / half_width² samples.
+    # The correction of the exact one, some 2 / half_width, is less than what is added here.
+    bound = (1.3 / half_width) ** 2 + 4 * LOOK
     samples = np.arange(LOOK, bound, LOOK, dtype=np.int64)
     low, high = np.full(len(samples), -1), samples // 2  # the largest that stops, by bisection
     while (low < high).any():

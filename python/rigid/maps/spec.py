@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import brief, finite_float, of_known, one_of, positive_int
-from ..model.body import Body, refuse_rods
+from .._checks.moments import refuse_rods
+from ..model.body import Body
 from ..model.bounds import RateWithin
 from ..model.criteria import check_criterion, criterion_from_dict
 from ..model.criterion import Criterion, can_be_left

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .. import _core
 from .._checks.arguments import brief, of_known, positive_int
 from .._checks.arrays import Floats
-from .._moments import can_move
+from .._checks.moments import can_move
 from ..model.body import Body
 from ..model.noise import Noise
 from ..model.parameters import (

@@ -6,6 +6,7 @@ the axes of the bodies first.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any, TypeAlias
@@ -99,6 +100,23 @@ def taken(value: Any, width: int, shape: Shape, index: Index) -> Any:
     if any(part is Ellipsis for part in where):
         return every[(*where, *(slice(None),) * width)]
     return every[(*where, Ellipsis)]
+
+
+def in_rows(array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    """The rows (n, N) of bodies of this shape; one row if it holds for all bodies."""
+    if array.ndim == 1:
+        return array[np.newaxis]
+    return rows_of_each(array, shape)
+
+
+def rows_of_each(array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    """The rows (n, N) of bodies of this shape, one row for each body."""
+    if array.ndim == 1 and not shape:
+        return array[np.newaxis]
+    width = array.shape[-1]
+    if array.shape[:-1] != shape:
+        array = np.broadcast_to(array, (*shape, width))
+    return np.ascontiguousarray(array).reshape(math.prod(shape), width)
 
 
 class ByValue:

@@ -12,17 +12,19 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arguments import brief, finite_float, first_place, numbers, shaped, vector
 from .._checks.arrays import Floats
-from .._checks.quantities import LARGE_SIDE, LEAST_DENSITY, without_unit
-from .._checks.warned import warn_caller
-from .._moments import (
+from .._checks.moments import (
     box_moments,
     checked_moments,
     hold_rods,
     possible_moments,
+    refuse_rods,
     refuse_tensor,
     rods,
     symmetric_tensor,
+    symmetry_axis,
 )
+from .._checks.quantities import LARGE_SIDE, LEAST_DENSITY, without_unit
+from .._checks.warned import warn_caller
 from .batch import (
     ByValue,
     Index,
@@ -41,7 +43,7 @@ from .gravity import checked_properties
 if TYPE_CHECKING:
     from os import PathLike
 
-    from ..inertia.mass_properties import MassProperties
+    from ..solids.mass_properties import MassProperties
 
 
 Moments: TypeAlias = tuple[float, float, float] | Floats
@@ -531,7 +533,7 @@ takes such moments as they are
         >>> rigid.Body.from_points([1.0] * 4, square)[0].moments
         (2.0, 2.0, 4.0)
         """
-        from ..inertia.mass_properties import point_masses
+        from ..solids.mass_properties import point_masses
 
         return cls.from_properties(point_masses(masses, points), about=about)
 
@@ -790,12 +792,7 @@ takes such moments as they are
             If there are many bodies.
         """
         require_one(self)
-        i1, i2, i3 = self.moments
-        if i1 == i2:
-            return 3
-        if i3 == i1:
-            return 2
-        return 1 if i2 == i3 else None
+        return symmetry_axis(self.moments)
 
     def to_dict(self) -> dict[str, Any]:
         """The body as a dict of numbers, for JSON; :meth:`from_dict` reads it.
@@ -888,18 +885,6 @@ def require_one(value: Any) -> None:
         raise ValueError(
             f"{name}: expected one body, got bodies of shape {value.shape}; take one of them, "
             f"{name}[{', '.join('0' * len(value.shape))}]"
-        )
-
-
-def refuse_rods(moments: Floats) -> None:
-    """Raise ValueError for moments, shape (..., 3), of a rod where a spin about its axis counts."""
-    thin = rods(moments)
-    if thin.any():
-        index, place = first_place(np.atleast_1d(thin))
-        values = ", ".join(f"{moment:g}" for moment in np.atleast_2d(moments)[index])
-        raise ValueError(
-            f"moments{place if moments.ndim > 1 else ''} = ({values}): a rod has no moment about "
-            "its axis, and a spin about the axis counts here; give a small moment"
         )
 
 

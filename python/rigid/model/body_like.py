@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief
 from .._checks.arrays import Floats, vectors
-from .._moments import checked_moments, refuse_tensor
-from .body import Body, pair_hint, refuse_rods
+from .._checks.moments import checked_moments, refuse_rods, refuse_tensor
+from .body import Body, pair_hint
 from .scene import FreeBody, Scene, require_unforced
 
 BodyLike: TypeAlias = Body | FreeBody | ArrayLike

@@ -50,7 +50,7 @@ def about_pivot(
 
 def checked_properties(properties: object) -> tuple[Floats, float, Floats]:
     """Tensor about the centre of mass, mass and centre of mass of one body."""
-    from ..inertia.mass_properties import MassProperties
+    from ..solids.mass_properties import MassProperties
 
     if not isinstance(properties, MassProperties):
         raise TypeError(f"properties = {brief(properties)}: must be a rigid.inertia.MassProperties")

@@ -493,6 +493,17 @@ class Orbit(ByValue):
         rate = "a varied rate" if "rate" in varied else f"{self.rate:g} rad/s"
         return f"{kind} at {rate}, {path}"
 
+    def passage(self, begin: float, end: float) -> str:
+        """Where one body goes from one time to another (s), in words that follow a verb."""
+        if self.eccentricity < 1.0:
+            periods = f"{self.rate * abs(end - begin) / (2.0 * np.pi):.3g}"
+            return f"({'a period' if periods == '1' else f'{periods} periods'} of its orbit)"
+        nearest = -self.anomaly / self.rate
+        low, high = sorted((begin, end))
+        if low <= nearest <= high:
+            return f"and passes a planet at t = {nearest:.3g} s"
+        return f"{'before' if nearest > high else 'after'} it passes a planet"
+
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
 class OrbitTable(Sampled, Orbit):
@@ -610,6 +621,10 @@ class OrbitTable(Sampled, Orbit):
     def words(self, varied: Container[str] = ()) -> str:
         """The trajectory in a few words."""
         return f"orbit by a table of {len(self.t)} times"
+
+    def passage(self, begin: float, end: float) -> str:
+        """Where a body goes, in words that follow a verb."""
+        return "along a trajectory by a table"
 
 
 class _NotOfTablesError(ValueError, AttributeError):

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arrays import Floats
-from .._moments import box_moments
+from .._checks.moments import box_moments
 from .body import Body
 from .forces import FORCES
 from .noise import Noise

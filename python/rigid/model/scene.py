@@ -45,7 +45,7 @@ from .start import Start
 from .torque import Torque, checked_torque, forces_of
 
 if TYPE_CHECKING:
-    from ..inertia.mass_properties import MassProperties
+    from ..solids.mass_properties import MassProperties
 
 
 Made = TypeVar("Made")

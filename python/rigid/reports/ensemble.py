@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks.arrays import Floats
-from ..solve.bodies import bodies_of
+from ..model.bodies import bodies_of
 from ..solve.methods import EXACT, order_of
 from ..solve.run import Run
 from ..solve.simulate import simulate

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from .._checks.arguments import brief
 from .._checks.arrays import Floats
+from ..model.bodies import bodies_of
 from ..model.scene import Scene
 from ..rotations.apply import to_body
-from ..solve.bodies import bodies_of
 from ..solve.conserved import energy_of, momentum_of
 from ..solve.plan import Lazy, Plan
 from ..solve.request import Problem

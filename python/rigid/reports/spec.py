@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import brief, finite_float, numbers, one_of, positive_int, vector
+from ..model.bodies import bodies_of
 from ..model.body import Body
 from ..model.scene import Scene, check_scene, scene_from_dict
 from ..model.seed import checked_seed
-from ..solve.bodies import bodies_of
 from ..solve.methods import EXACT, run_methods
 from .scheme import Scheme
 

@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import first_place, one_of, shaped
 from .._checks.arrays import Floats
+from .._checks.matrices import rotation_matrices
 from .quaternions import canonical_quaternion
-from .so3 import rotation_matrices
 
 FRAMES = ("body", "space", "node")
 

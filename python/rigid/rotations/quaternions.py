@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import numbers, shaped
 from .._checks.arrays import AttitudeLike, Floats, unit_quaternions
+from .._checks.matrices import rotation_matrices
 from .._checks.overflow import refuses_overflow
-from .so3 import over, rodrigues, rotation_matrices, vee
+from .so3 import over, rodrigues, vee
 
 
 def quaternion_product(left: ArrayLike, right: ArrayLike) -> Floats:

@@ -13,14 +13,8 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import first_place, shaped
 from .._checks.arrays import Floats, of_size_one
+from .._checks.matrices import orthogonality
 from .._checks.overflow import refuses_overflow
-
-_ROTATION_SLACK = 3.1e-4
-"""Largest orthogonality error of a matrix that is accepted as a rotation: four decimals, off by
-0.5e-4 in each of nine entries, give at most 3e-4."""
-
-_ROUNDED = 1e-14
-"""Orthogonality error of products of rotations; such a matrix stays as it is."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -229,11 +223,8 @@ def orthogonality_error(matrix: ArrayLike) -> Orthogonality:
     >>> float(rotations.orthogonality_error(1.001 * np.eye(3)).error.round(7))
     0.0034658
     """
-    r = shaped("matrix", matrix, 3, 3)
-    gram = _product(np.swapaxes(r, -1, -2), r) - np.eye(3)
-    return Orthogonality(
-        error=np.linalg.norm(gram, axis=(-2, -1)), determinant=np.asarray(np.linalg.det(r))
-    )
+    error, determinant = orthogonality(shaped("matrix", matrix, 3, 3))
+    return Orthogonality(error=error, determinant=determinant)
 
 
 def nearest_rotation(matrix: ArrayLike) -> Floats:
@@ -277,37 +268,6 @@ def nearest_rotation(matrix: ArrayLike) -> Floats:
     rotation: Floats = left @ right
     # One step of Newton's method removes the rounding of the singular vectors.
     return rotation + 0.5 * rotation @ (np.eye(3) - np.swapaxes(rotation, -1, -2) @ rotation)
-
-
-def rotation_matrices(name: str, value: ArrayLike) -> Floats:
-    """``value`` as the nearest rotations ``(..., 3, 3)`` to matrices that are rotations to 3.1e-4.
-
-    Each step ``R (3 - R.T R) / 2`` towards the orthogonal factor squares the error: three steps
-    leave rounding (N. J. Higham, *SIAM J. Sci. Stat. Comput.* 7 (1986) 1160).
-    """
-    r = shaped(name, value, 3, 3)
-    how = orthogonality_error(r)
-    bad = (how.error > _ROTATION_SLACK) | (how.determinant < 0.0)
-    if np.any(bad):
-        index, place = first_place(bad)
-        error, det = how.error[index], how.determinant[index]
-        raise ValueError(
-            f"{name}{place}: not a rotation: |R.T R - 1| = {error:.3g}, must be at most "
-            f"{_ROTATION_SLACK:g}, det R = {det:.3g} (nearest_rotation corrects other errors)"
-        )
-    if not np.any(how.error > _ROUNDED):
-        return r
-    near = r
-    for _ in range(3):
-        near = 1.5 * near - 0.5 * _product(near, _product(np.swapaxes(near, -1, -2), near))
-    return np.where((how.error > _ROUNDED)[..., np.newaxis, np.newaxis], near, r)
-
-
-def _product(a: Floats, b: Floats) -> Floats:
-    """``a @ b`` of 3×3 matrices; a BLAS has other bits on other machines."""
-    parts = (a[..., :, k, np.newaxis] * b[..., np.newaxis, k, :] for k in range(3))
-    first, second, third = parts
-    return first + second + third
 
 
 def _axis_angle(axis: ArrayLike, angle: ArrayLike, passive: bool) -> tuple[Floats, Floats, Floats]:

@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike
 from .._checks.arguments import brief, finite_float, positive_int, resolve_threads
 from .._checks.arrays import AttitudeLike, Floats
 from .._checks.progress import Listening, ProgressOption
+from ..model.bodies import bodies_of
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from ..rotations.apply import to_body
-from ..solve.bodies import bodies_of
 from ..solve.choose_method import choose_method
 from ..solve.methods import adaptive_methods
 from ..solve.request import Problem

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from .._checks.arguments import finite_float, positive_int
 from .._checks.arrays import Floats
-from ..model.body import refuse_rods
+from .._checks.moments import refuse_rods
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..model.seed import seed_from
 from .surface import Section, checked_section

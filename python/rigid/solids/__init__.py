@@ -6,7 +6,8 @@ may be zero: a cylinder without height is a disk, a cylinder without radius is a
 
 The formulas come from Goldstein, ch. 5, exercises, and Landau and Lifshitz, *Mechanics*, § 32.
 
-The package uses :mod:`rigid.inertia` and ``_checks``. :class:`rigid.Body` uses it.
+The package uses ``_checks``. :mod:`rigid.inertia`, :mod:`rigid.meshes` and :class:`rigid.Body` use
+it.
 """
 
 from __future__ import annotations
@@ -16,9 +17,8 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import first_place, shaped
 from .._checks.arrays import Floats
+from .._checks.moments import box_moments
 from .._checks.overflow import refuses_overflow
-from .._moments import box_moments
-from ..inertia.mass_properties import MassProperties
 from .density import (
     DensityIntegral,
     Region,
@@ -28,6 +28,7 @@ from .density import (
     ellipsoid_region,
     sampled_density,
 )
+from .mass_properties import MassProperties
 
 __all__ = [
     "DensityIntegral",

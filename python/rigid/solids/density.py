@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, shaped, vector
 from .._checks.arrays import Floats
-from ..inertia.mass_properties import MassProperties, point_masses
+from .mass_properties import MassProperties, point_masses
 
 ORDERS = (4, 6, 8, 12, 16, 24, 32, 48, 64)
 """Numbers of Gauss points along each coordinate, tried in this order."""

@@ -14,7 +14,6 @@ from .. import _core
 from .._checks.arguments import two_digits_above
 from .._checks.arrays import Floats
 from ..model.forces import forces_in_words
-from .arrays import roots
 from .closed_form import (
     FORCED_RULE,
     NO_FORM,
@@ -359,3 +358,16 @@ def _first_steps(problem: Problem, accuracy: float, method: str) -> Floats:
     # What does not turn needs no step.
     steps = np.where(rates > 0.0, turn / rates, np.inf)
     return np.minimum(steps, longest)
+
+
+def roots(numbers: Floats, order: int) -> Floats:
+    """The roots of an order, with the same bits on every processor and beside other numbers.
+
+    Square roots are rounded alike everywhere. Powers of an array are not, so powers of single
+    floats make the roots of other orders.
+    """
+    if order & (order - 1):
+        return np.array([number ** (1.0 / order) for number in numbers.tolist()])
+    for _ in range(order.bit_length() - 1):
+        numbers = np.sqrt(numbers)
+    return numbers

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, numbers, positive_int, times_of_each
 from .._checks.arrays import AttitudeLike
+from ..model.bodies import bodies_of
 from ..model.body import Body
 from ..model.forces import FORCES
 from ..model.scene import Scene, check_scene
-from .bodies import bodies_of
 from .plan import Lazy
 from .run import Run
 from .simulate import simulate

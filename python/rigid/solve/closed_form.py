@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arrays import Floats
+from ..model.bodies import lagrange_axes
 from ..model.criterion import Criterion, Joined
 from ..model.scene import Scene
 
@@ -64,16 +65,6 @@ def closed_forms(question: Question, moments: Floats, weight: Floats) -> Codes:
     name, axis = asked
     rows = np.ascontiguousarray(moments), np.ascontiguousarray(weight)
     return _core.closed_forms_for(name, *rows, axis)
-
-
-def lagrange_axes(moments: Floats, weight: Floats) -> NDArray[np.int64]:
-    """The symmetry axis 1, 2 or 3 of each Lagrange top, 0 of other bodies, shape (n,).
-
-    The moments about the other two axes are exactly equal, the weight lies exactly on the axis. One
-    row of moments or weight may hold for all.
-    """
-    first, second = np.broadcast_arrays(moments, weight)
-    return _core.lagrange_axes(np.ascontiguousarray(first), np.ascontiguousarray(second))
 
 
 def question_words(question: Question) -> str:

@@ -20,12 +20,12 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeAlias, TypeV
 import numpy as np
 from numpy.typing import NDArray
 
+from .._archive import write_archive
 from .._checks.extras import install_extra
 from .._files import TABLE, published
 from ..model.batch import Shape
 from ..model.forces import FORCES
 from ..model.scene import Scene, scene_from_dict
-from .archive import write_archive
 
 if TYPE_CHECKING:
     import xarray

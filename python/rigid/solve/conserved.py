@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arrays import Floats
-from ..model.batch import Shape
+from ..model.batch import Shape, in_rows
 from ..model.scene import Scene
-from .arrays import in_rows
 
 _BLOCK = 2**14
 """States of a block, whose intermediate results stay in the cache."""

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from .._checks.arguments import brief
 from .._checks.arrays import Floats
 from ..model.batch import Shape
+from ..model.bodies import Bodies
 from ..model.events import Event
 from ..model.frame import turned
 from ..model.scene import Scene
-from .bodies import Bodies
 from .columns import Column, Columns, HasColumns
 from .methods import EXACT, adaptive_methods
 from .request import Problem

@@ -14,10 +14,10 @@ from .._checks.arguments import numbers, positive_int, resolve_threads, sorted_t
 from .._checks.arrays import AttitudeLike, Floats
 from .._checks.float_environment import in_standard_floats
 from .._checks.progress import Listening, ProgressOption
+from ..model.bodies import Bodies, bodies_of
 from ..model.body import Body
 from ..model.criteria import Regular, norm_of
 from ..model.scene import Scene, check_scene
-from .bodies import Bodies, bodies_of
 from .choose_method import choose_method
 from .closed_form import NO_FORM, closed_forms
 from .growth import Growth

@@ -14,11 +14,11 @@ from .. import _core
 from .._checks.arguments import finite_float, one_of, resolve_threads, rows
 from .._checks.arrays import AttitudeLike, Floats
 from .._checks.warned import warn_caller
+from ..model.batch import rows_of_each
+from ..model.bodies import bodies_of, holds_rods, starts_of
 from ..model.body import Body
 from ..model.frame import attitudes_in_frame, checked_frame, turned
 from ..model.scene import Scene, check_scene
-from .arrays import rows_of_each
-from .bodies import bodies_of, holds_rods, starts_of
 from .methods import check_method, method_named, methods
 
 if TYPE_CHECKING:

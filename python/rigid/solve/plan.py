@@ -17,13 +17,12 @@ from typing import Any, Generic, Self, TypeAlias, TypeVar
 import numpy as np
 
 from .. import _core
-from .._checks.arrays import Floats
+from .._checks.arrays import Floats, lengths
 from .._checks.shown import labelled
 from ..drawing.figure import html_table
+from ..model.bodies import Bodies
 from ..model.forces import FORCES, forces_in_words
 from ..model.scene import Scene
-from .arrays import lengths
-from .bodies import Bodies
 from .closed_form import Codes, Question, names, question_words
 from .methods import EXACT
 from .request import Problem

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from .. import _core
 from .._checks.arguments import finite_float, one_of
 from .._checks.arrays import Floats
-from .._moments import without_spin
+from .._checks.moments import without_spin
+from ..model.batch import in_rows
+from ..model.bodies import Bodies, Range, time_ranges
 from ..model.scene import Scene
-from .arrays import Range, in_rows, time_ranges
-from .bodies import Bodies
 from .closed_form import closed_forms
 from .methods import EXACT, check_method, run_methods
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -13,21 +12,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, one_line, one_of, one_time, resolve_threads
+from .._checks.arguments import brief, one_of, one_time, resolve_threads
 from .._checks.arrays import Floats, finite_array
-from .._checks.inputs import described
 from .._checks.progress import ProgressOption
 from ..drawing.colours import AXES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_text, html_with_picture
-from ..model.batch import Shape
-from ..model.events import Event
+from ..model.batch import Shape, in_rows
+from ..model.bodies import Bodies, Range, time_ranges
 from ..model.frame import attitudes_in_frame, attitudes_in_principal_axes, checked_frame, turned
-from ..model.scene import FreeBody, Scene, scene_from_dict
+from ..model.scene import Scene
 from ..rotations.apply import to_space
-from .archive import Archive
-from .arrays import Range, in_rows, time_ranges
 from .attitude_ephemeris import write_aem
-from .bodies import Bodies, bodies_of
 from .columns import Column, Columns, Result, take_numbers
 from .conserved import energy_of, momentum_of, needs_vertical
 from .events import Events
@@ -38,6 +33,7 @@ from .solution import COLUMNS, Solution, end_records, solve
 from .status import (
     COARSE_ERROR,
     Status,
+    ending,
     error_limit,
     is_accurate,
     sentences,
@@ -63,27 +59,6 @@ _ROUNDING_OF_TURN = 1e-15
 
 _SURPRISING_ERROR = 1e-6
 """A run says what the word ``ok`` allows if an error of these bodies is larger."""
-
-_STATUS_WORDS: Mapping[Status, str] = {
-    Status.OK: "ok",
-    Status.STOPPED: "stopped with its last event",
-    Status.STEP_LIMIT: (
-        "step limit: it needs more than max_steps steps; raise max_steps, take longer steps or a "
-        "method of higher order"
-    ),
-    Status.NOT_FINITE: "not finite: a number overflowed; take shorter steps or other units",
-    Status.DRIFTED: (
-        f"drifted: energy, momentum or a length is off by more than {_core.DRIFT_LIMIT:g}; take "
-        "shorter steps or a method of higher order"
-    ),
-    Status.UNCHECKED: ("unchecked: its error was not estimated; leave out check=False"),
-}
-
-
-_DEAD_ZONE = (
-    "; a torque that jumps where a rate changes its sign, such as -sign(omega), needs a dead zone: "
-    "a range of rates in which it rises evenly"
-)
 
 
 # Not frozen: a frozen object takes twice as long to make.
@@ -429,40 +404,8 @@ class Run(Result):
         flagged: the estimated error is 1 or more from t = 50.8 on; end the run earlier or ask for \
 an accuracy
         """
-        return sentences(self._words, self.status, self.error, self.lost_from)
-
-    def _words(self, code: int, error: float, since: float) -> str:
-        """A sentence: how a body ended, and the remedy."""
-        status = Status(code)
-        if status == Status.STEP_LIMIT and "function" in self._scene.forces:
-            return _STATUS_WORDS[status] + _DEAD_ZONE
-        if status not in (Status.FLAGGED, Status.COARSE):
-            return _STATUS_WORDS[status]
-        cure = self._cure()
-        if status == Status.COARSE:
-            return f"coarse: the estimated error is {error:.1e}; {cure}"
-        if np.isfinite(since):
-            return f"flagged: the estimated error is 1 or more from t = {since:.4g} on; {cure}"
-        words = f"flagged: the estimated error is {error:.1e}, above the {self._limit:g} asked for"
-        return f"{words}; {cure} or ask for a larger error"
-
-    def _cure(self) -> str:
-        """The remedy against an error."""
-        spec = self.spec
-        asked = spec.get("asked")
-        if spec["method"] == EXACT:
-            return "rounding makes it, so shorter steps do not help: end the run earlier"
-        if spec["tolerance"] is not None and asked is None:
-            return (
-                "chaos or rounding makes it, a smaller tolerance does not help: end the run earlier"
-            )
-        if spec["tolerance"] is not None and spec["accuracy"] is None:
-            return "end the run earlier or lower the tolerance"
-        if spec["accuracy"] is None:
-            return "end the run earlier or ask for an accuracy"
-        if asked:
-            return f"shorter steps of {spec['method']} do not help: leave out the method"
-        return "shorter steps do not help: end the run earlier"
+        words = partial(ending, self.spec, self._scene.forces)
+        return sentences(words, self.status, self.error, self.lost_from)
 
     def at(self, t: ArrayLike) -> Run:
         """The run at other output times between its first and its last, with the errors there.
@@ -926,7 +869,7 @@ an accuracy
             bodies = body
         else:
             bodies = (0, 1) if body is None and self.status.shape == (2,) else (body,)
-        recordings = [recording_of(self, one) for one in bodies]
+        recordings = [_recording_of(self, one) for one in bodies]
         if len({len(one.t) for one in recordings}) > 1:
             raise ValueError(f"body = {brief(bodies)}: their records end at different times")
         return animate(
@@ -996,49 +939,12 @@ def states_of(
     return states
 
 
-def recording_of(run: Run, body: int | None = None) -> Recording:
+def _recording_of(run: Run, body: int | None) -> Recording:
     """The motion of one body of a run, for a film."""
-    from ..animation.story import Recording
+    from .recording import recording_of  # it loads what draws
 
     omega, attitude = states_of(run, body)
-    scene, t = scene_of(run, body), run.t[: len(omega)]
-    is_free = isinstance(scene, FreeBody) and not scene.forces and len(t) > 1 and omega[0].any()
-    flip, flips = turns_over(scene, t, omega) if is_free else (np.inf, 0)
-    return Recording(
-        scene=scene,
-        t=t,
-        omega=omega,
-        attitude=attitude,
-        frame=run.frame,
-        flip=flip,
-        flips=flips,
-    )
-
-
-def turns_over(scene: Scene, t: Floats, omega: Floats) -> tuple[float, int]:
-    """When a free body first turns over, and how many times it does, by the closed form.
-
-    A body turns over when the rate along the axis of its first spin changes its sign; the times
-    of a film may be too far apart to show it.
-
-    Examples
-    --------
-    >>> import numpy as np, rigid
-    >>> from rigid.solve.run import turns_over
-    >>> box = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
-    >>> run = rigid.simulate(box, [0.01, 10.0, 0.01], t=[0.0, 4.1])
-    >>> first, count = turns_over(box, run.t, run.omega)
-    >>> round(first, 3), count
-    (1.202, 2)
-    """
-    span = float(t[-1] - t[0])
-    axis = int(np.abs(omega[0]).argmax()) + 1
-    bodies = bodies_of(scene, omega[0], None, rod=True)
-    first, second = bodies.in_axes(_core.flip_times(bodies, axis, 2)).tolist()
-    at = float(t[0]) + first
-    if first > span:
-        return at, 0
-    return at, 1 + int((span - first) / (second - first))  # the times are equally spaced
+    return recording_of(scene_of(run, body), run.t[: len(omega)], omega, attitude, run.frame)
 
 
 def to_run(
@@ -1124,95 +1030,3 @@ def _turned_tangent(axes: Floats, matrices: Floats) -> Floats:
     """Matrices (..., 6, 6) with both their rows and their columns in turned axes."""
     rows = _turned_rows(axes, matrices)
     return np.swapaxes(_turned_rows(axes, np.swapaxes(rows, -1, -2)), -1, -2)
-
-
-def load_run(path: str | PathLike[str]) -> Run:
-    """Read a run that :meth:`Run.save` wrote.
-
-    Parameters
-    ----------
-    path : path-like
-
-    Returns
-    -------
-    Run
-
-    Raises
-    ------
-    ValueError
-        Naming the path, if the file is damaged or no run.
-    OSError
-        If the file cannot be read.
-
-    Examples
-    --------
-    >>> import os, tempfile, rigid
-    >>> run = rigid.simulate(rigid.Body((1.0, 2.0, 3.0)), [0.1, 1.0, 0.1], t=[0.0, 5.0])
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     again = rigid.load_run(run.save(os.path.join(folder, "run.npz")))
-    >>> bool((again.omega == run.omega).all())
-    True
-    """
-    name = os.fspath(path)
-    os.stat(name)
-    what = described(name)
-    if "load_run" not in what:
-        raise ValueError(f"path = {name!r}: is no run that rigid has saved, it is {what}")
-    try:
-        with open(name, "rb") as file:
-            archive = Archive(file)
-            arrays = {key: archive.read(key) for key in archive.names}
-        header = json.loads(str(arrays.pop("header")))
-        known = header.pop("format")
-        if known == FORMAT:
-            return _run_of(arrays, header)
-    except Exception as error:  # the file may hold anything
-        raise ValueError(f"path = {name!r}: is a damaged run ({one_line(error)})") from None
-    raise ValueError(
-        f"path = {name!r}: has the format {known!r}, known is {FORMAT!r}: read it with the version "
-        "of rigid that wrote it, or compute the run again"
-    )
-
-
-def _run_of(arrays: dict[str, NDArray[Any]], header: dict[str, Any]) -> Run:
-    """The run of the arrays and the header of a file."""
-    if strange := [name for name, array in arrays.items() if array.dtype.kind not in "bfiu"]:
-        raise ValueError(f"{strange[0]} has no numbers")
-    known = Run._known()
-    watched = header.get("events", [])
-    of_events = [
-        {
-            name: arrays.pop(f"events{k}_{name}")
-            for name in Events._known()
-            if name != "states" or f"events{k}_states" in arrays
-        }
-        for k in range(len(watched))
-    ]
-    if unknown := arrays.keys() - known.keys():
-        raise ValueError(f"unknown arrays {sorted(unknown)}")
-    scene_from_dict(header["spec"]["scene"])
-    if "frame" in header["spec"]:
-        checked_frame(header["spec"]["frame"])
-    for name in ("t", "omega", "start_omega", "start_attitude", "status", "error"):
-        if name not in arrays:
-            raise ValueError(f"no array {name!r}")
-    sizes = {"t": arrays["t"].shape[-1], "axis": 3, "part": 4}
-    for name, array in arrays.items():
-        axes = known[name].axes[1:]
-        own = array.shape[array.ndim - len(axes) :]
-        wanted = tuple(sizes.get(axis, size) for axis, size in zip(axes, own, strict=True))
-        if own != wanted:
-            raise ValueError(f"{name}: expected shape (..., {brief(wanted)[1:]}, got {own}")
-    shape = arrays["status"].shape
-    events = tuple(
-        Events(Event.from_dict(entries), _columns=Events._rows_of(rows, shape), _shape=shape)
-        for entries, rows in zip(watched, of_events, strict=True)
-    )
-    return Run(
-        _shape=shape,
-        _columns={"nanoseconds": int(header["nanoseconds"]), **Run._rows_of(arrays, shape)},
-        _parameters=tuple(header["parameters"]),
-        _events=events,
-        _spec=Lazy.of(header["spec"]),
-        _plan=Lazy.of(Plan.from_dict(header["plan"])),
-    )

@@ -18,13 +18,13 @@ from .._checks.arguments import (
 )
 from .._checks.float_environment import in_standard_floats
 from .._checks.progress import Listening, ProgressOption
+from ..model.batch import in_rows
+from ..model.bodies import Bodies, bodies_of, time_ranges
 from ..model.body import Body
 from ..model.events import Event, checked_events
 from ..model.frame import checked_frame
 from ..model.scene import Scene, check_scene
 from ..model.torque import NO_EXPONENT
-from .arrays import in_rows, time_ranges
-from .bodies import Bodies, bodies_of
 from .choose_method import choose_method
 from .closed_form import RECORDS
 from .conserved import energy_of, momentum_of, needs_vertical

@@ -17,8 +17,7 @@ from numpy.typing import DTypeLike, NDArray
 from .. import _core
 from .._checks.arguments import brief, one_of, two_digits_above
 from .._checks.arrays import Floats
-from .arrays import Range, time_ranges
-from .bodies import Bodies
+from ..model.bodies import Bodies, Range, time_ranges
 from .choose_method import Choice, bodies_alike, choose_method
 from .events import FoundEvents, events_of_parts, find_events
 from .methods import EXACT, SERIES, SERIES_TOLERANCE

@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.arrays import Floats
+from .._checks.arrays import Floats, lengths
 from .._core import LEAST_STATE, MOST_STATES
+from ..model.batch import in_rows
+from ..model.bodies import Bodies
 from ..model.compiling import Callback, Taken, of_state, taken_by
 from ..model.events import Event
 from ..model.frame import turned
 from ..model.orbit import Orbit
 from ..model.sampled import RotorTable, Sampled, require_place
 from ..model.scene import Scene
-from .arrays import in_rows, lengths
-from .bodies import Bodies
 from .methods import EXACT, FUNCTION, SERIES, TO_ROUNDING
 from .request import Problem, Request
 from .status import Status

@@ -18,12 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arguments import brief, of_known, one_of, resolve_threads, sorted_times
 from .._checks.arrays import AttitudeLike, Floats
+from ..model.batch import in_rows
+from ..model.bodies import Bodies, bodies_of
 from ..model.body import Body
 from ..model.forces import FORCES, forces_in_words
 from ..model.parameters import CHANGES, OF_WEIGHT, PARAMETERS
 from ..model.scene import Scene, check_scene
-from .arrays import in_rows
-from .bodies import Bodies, bodies_of
 from .methods import EXACT, TO_ROUNDING, run_methods, tangent_methods
 from .request import Request
 from .status import Status

@@ -166,7 +166,7 @@ def carry_on(
     running.computed = 0
     checked = reread = False
     poison: dict[int, str] = {}
-    pool, workers = (None, 1) if executor is None else executor_of(executor)
+    pool = None if executor is None else executor_of(executor)
     each = threads if pool is None else threads_per_task
     reason = "error"
     try:
@@ -200,7 +200,7 @@ def carry_on(
                 else:
                     build = None if allow_mixed else own_build()
                     task = Task.of(running.head, threads_per_task, build, executor)
-                    poison |= drive(task, mine, intake, pool, workers, stop)
+                    poison |= drive(task, mine, intake, *pool, stop)
         if stop() and len(todo):
             reason = "terminated" if terminated() else "interrupted"
         elif poison:

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 import rigid
 from films import ASYMMETRIC, BOX, OBLATE, TILTED, TOP, film_of, run_of
-from rigid.solve.run import turns_over
+from rigid.solve.recording import turns_over
 
 THIN = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
 

@@ -8,11 +8,11 @@ import pytest
 
 import rigid
 from rigid import _core, planning
+from rigid._checks import matrices
 from rigid.maps import data, page, sequential, spec
 from rigid.reports import compute, ensemble, stress, sweep
 from rigid.reports import data as report_data
 from rigid.reports import spec as report_spec
-from rigid.rotations import so3
 from rigid.sections.crossings import Crossings
 from rigid.solve import (
     choose_method,
@@ -110,7 +110,7 @@ SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
     (rigid.Run, "all below {} of the", (of_core("estimate/mod.rs", "REST"),)),
     (rigid.Run, "``{}`` per radian turned", (_core.ROUNDING,)),
     (rigid.Run.in_frame, "larger by {}, the rounding of a turn", (run._ROUNDING_OF_TURN,)),
-    (rigid.Run.in_frame, "no rotation matrix to {}", (so3._ROTATION_SLACK,)),
+    (rigid.Run.in_frame, "no rotation matrix to {}", (matrices.ROTATION_SLACK,)),
     (rigid.Events, "within {} of its scale", (of_core("trajectory/section/mod.rs", "NEAR"),)),
     (Crossings, "within {} of the scale of its", (of_core("trajectory/section/mod.rs", "NEAR"),)),
     (rigid.lyapunov, "at least {} steps until the first time", (lyapunov.FEWEST,)),

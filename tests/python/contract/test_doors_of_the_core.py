@@ -9,7 +9,7 @@ import pytest
 import rigid
 from refusals import refuses
 from rigid import _core
-from rigid.solve.bodies import bodies_of
+from rigid.model.bodies import bodies_of
 from rigid.solve.request import Request
 
 SCENE = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))

@@ -11,7 +11,7 @@ import pytest
 import rigid
 from processes import python_process, run_python
 from rigid import _core
-from rigid.solve.bodies import bodies_of
+from rigid.model.bodies import bodies_of
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
 

@@ -408,6 +408,16 @@ def test_the_period_of_a_pendulum() -> None:
         np.testing.assert_allclose(after[0], attitude, atol=PHASE * period)
 
 
+def test_the_slowest_rate_that_is_taken_has_its_period() -> None:
+    """The period is as one over the rate; below, it would leave the range of doubles."""
+    omega = np.array([0.3, 1.0, 0.2])
+    period = float(exact.free_body(STANDARD, omega).period)
+    slow = exact.free_body(STANDARD, 1e-300 * omega)
+    assert float(slow.period) == pytest.approx(1e300 * period, rel=1e-14)
+    with pytest.raises(ValueError, match=r"omega = .*: must be zero or reach 1e-300 rad/s"):
+        exact.free_body(STANDARD, np.nextafter(1e-300, 0.0) * omega)
+
+
 # Refusals
 
 HEAVY = rigid.HeavyTop(rigid.Body((1.0, 1.4, 0.7)), mgl=1.0, com=(0.6, 0.0, 0.8))

@@ -112,6 +112,31 @@ def test_the_lines_of_the_falling_top_are_its_onset_and_its_border() -> None:
         assert abs(half - np.interp(0.0, border, spin)) < pixel
 
 
+@pytest.mark.parametrize("spin", [6.0, 3.0])
+def test_a_fall_is_predicted_until_its_onset_and_after_twice_the_lag(spin: float) -> None:
+    """The lag of a tilt of a thousandth of the noise; below the bound it counts from the start."""
+    c, size, limit = 0.02, 1e-2, 0.5
+    onset = I3 / c * np.log(spin / BOUND)
+    growth = np.log(limit / (1e-3 * size))
+    lag = (1.5 * growth / np.sqrt(2.0 * c * MGL / (I1 * I3))) ** (2.0 / 3.0)
+    late = max(onset, 0.0) + 2.0 * lag
+
+    def share(t_end: float, noise: float = size) -> float:
+        start = rigid.Start(spin=spin, attitude_noise=rigid.normal(noise))
+        axes = {"spin": [spin], "damping3": [c]}
+        theory = predict(small(axes=axes, start=start, samples=1, t_end=t_end).spec)
+        return np.nan if theory is None else float(theory.share[0, 0])
+
+    assert share(1.01 * late) == 0.0
+    assert np.isnan(share(0.99 * late))
+    if onset > 0.0:
+        assert share(0.99 * onset) == 1.0
+        assert np.isnan(share(1.01 * onset))
+        # Nutation of six standard deviations must stay below the limit.
+        assert share(0.99 * onset, 0.99 * limit / 6.0) == 1.0
+        assert np.isnan(share(0.99 * onset, 1.01 * limit / 6.0))
+
+
 def test_a_fall_before_the_onset_disagrees_and_one_after_it_does_not() -> None:
     result = small(axes={"spin": [4.5, 5.0, 5.5, 6.0], "damping3": [1e-3, 2e-3]}, samples=1)
     (onset, _) = present_theory(result.spec).curves

@@ -143,6 +143,18 @@ def test_the_cost_of_a_judged_map_is_the_processor_time_of_its_function() -> Non
     assert spent <= 1e-9 * result.nanoseconds.sum() <= whole
 
 
+def test_the_cost_of_a_judged_map_contains_the_threads_of_the_core() -> None:
+    def upright(states: rigid.States) -> Verdicts:
+        return states.gamma[:, -1, 2] > 0.9
+
+    begin = time.process_time()
+    request = {**TOPS, "samples": 2048, "check": 1.0}
+    result = rigid.stability_map(TOP, stable=rigid.judged(upright, [60.0]), threads=2, **request)
+    whole = time.process_time() - begin
+    # The caller's thread has half of the steps, and those take nearly all of the time.
+    assert 0.75 * whole <= 1e-9 * result.nanoseconds.sum() <= whole
+
+
 def test_numbers_are_margins_and_nan_is_undecided() -> None:
     def margin(states: rigid.States) -> NDArray[np.float64]:
         spin = states.parameters["spin"]
@@ -267,6 +279,8 @@ def test_bodies_that_fail_are_not_judged() -> None:
     assert result.failed.sum() > 0
     assert count == result.stable.sum()
     assert (result.drifted + result.not_finite == result.failed).all()
+    # A drift of no number would say that no body was integrated.
+    assert np.array_equal(np.isinf(result.energy_drift), result.not_finite > 0)
     stopped = rigid.stability_map(TOP, stable=stable, max_steps=3, check=0.0, **TOPS)
     assert (stopped.step_limit == 50).all()
 

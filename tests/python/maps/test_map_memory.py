@@ -8,7 +8,7 @@ import pytest
 
 from processes import python_process
 from rigid.store.head import Head
-from rigid.store.rows import Table
+from rigid.store.rows import FIELDS, Table
 from small_maps import spec_of
 
 CODE = """
@@ -52,11 +52,15 @@ def test_a_hundred_times_the_horizon_takes_no_more_memory() -> None:
 
 def test_a_map_that_is_too_large_tells_its_size(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where no memory is left; a real request of this size might be granted, page by page."""
-    head = Head.of(spec_of(axes={"spin": np.linspace(1.0, 2.0, 100_000)}))
+    spec = spec_of(axes={"spin": np.linspace(1.0, 2.0, 100_000)}, samples=64_000)
+    head = Head(spec, segment=64)
 
     def refused(*_: object) -> None:
         raise MemoryError
 
     monkeypatch.setattr(np, "zeros", refused)
-    with pytest.raises(MemoryError, match=r"axes: the columns of 100,000 pixels need 0 GiB; take"):
+    # Of each piece a number of eight bytes, and one for each column.
+    needed = round(8 * 10**8 * (1 + len(FIELDS)) / 1024**3)
+    words = f"axes: the columns of 100,000,000 pixels need {needed} GiB; take"
+    with pytest.raises(MemoryError, match=words):
         Table(head)

@@ -7,6 +7,7 @@ import pytest
 
 import rigid
 from processes import PATIENCE, python_process
+from rigid.store import drive
 from rigid.store.drive import SHORTEST, Intake
 from rigid.store.rows import NO_BINS, ROW, Block
 from rigid.store.running import Memory
@@ -152,3 +153,47 @@ def test_blocks_settle_near_a_third_of_a_second_and_stay_short() -> None:
     assert seconds[20] == pytest.approx(SHORTEST, rel=0.1)
     # What once was costly may come again: a block stays short enough for that.
     assert intake.units * 1e-3 <= 4.0 * SHORTEST * 1.01
+
+
+def taken(
+    costs: list[float],
+    monkeypatch: pytest.MonkeyPatch,
+    *,
+    threads: int = 1,
+    append: float = 0.0,
+    seconds: float | None = None,
+    blocks: int = 1,
+) -> int:
+    """Units of the next block after some whose units cost these times and took so long to keep."""
+    clock = 0.0
+
+    class Slow(Nowhere):
+        def append(self, *_: object) -> None:
+            nonlocal clock
+            clock += append
+
+    monkeypatch.setattr(drive.time, "perf_counter", lambda: clock)
+    intake = Intake(Slow(spec_of(samples=1)), lambda *_: None, threads)
+    for _ in range(blocks):
+        cost = np.resize(1e9 * np.array(costs), intake.units).astype(np.float32)
+        intake.take(Block(np.zeros(intake.units, ROW), cost, NO_BINS), seconds)
+    return intake.units
+
+
+def test_a_block_is_as_long_as_its_units_and_the_disk_allow(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The first has sixteen bodies a thread, and each at most eight times the one before."""
+    assert Intake(Nowhere(spec_of(samples=4)), lambda *_: None, threads=2).units == 8
+    assert Intake(Nowhere(spec_of(samples=100)), lambda *_: None, threads=1).units == 1
+    assert taken([1e-9], monkeypatch) == 8 * 16
+    assert taken([0.0], monkeypatch, blocks=2) == 8 * 8 * 16
+    # A third of a second, or fifty times the time to keep a block, up to a minute.
+    for append, wanted in ((0.0, 0.3), (0.006, 0.3), (0.02, 1.0), (1.0, 50.0), (10.0, 60.0)):
+        units = taken([0.01], monkeypatch, append=append, blocks=5)
+        assert units == pytest.approx(wanted / 0.01, abs=1.0)
+    # The wall time where it is known; else the processor time over the threads.
+    assert taken([1e-6], monkeypatch, seconds=0.6) == 8
+    assert taken([0.01], monkeypatch, threads=4, blocks=3) == pytest.approx(120, abs=1)
+    # One costly unit: four such blocks of its kind at most.
+    assert taken([0.1, *[0.0] * 15], monkeypatch) == pytest.approx(12, abs=1)

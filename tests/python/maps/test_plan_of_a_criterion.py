@@ -125,6 +125,13 @@ def test_a_map_takes_the_method_and_the_steps_of_the_plan(
     assert made.steps <= result.steps[0] < made.steps + 16
 
 
+def test_a_direction_in_the_body_needs_no_attitude() -> None:
+    for frame, carried in (("body", ("omega",)), ("space", ("omega", "attitude"))):
+        stable = rigid.rate_within(0.1, frame=frame)
+        plan: Any = rigid.plan(FREE, stable, start=rigid.Start(spin=5.0), t_end=20.0, method="rk4")
+        assert plan.carried == carried
+
+
 def test_rates_are_short_for_a_start() -> None:
     omega = (0.3, 1.0, 2.0)
     made = rigid.plan(HEAVY, rigid.no_flip(), omega=omega, t_end=5.0)

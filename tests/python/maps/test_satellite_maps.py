@@ -79,6 +79,58 @@ def test_roll_and_yaw_are_stable_where_the_inequality_of_debra_and_delp_says_so(
     assert 10 < inside[known].sum() < known.sum() - 10
 
 
+def roll_and_yaw(moments: tuple[float, float, float]) -> tuple[float, float]:
+    """Largest rate of growth, in orbits' radians, and condition of the modes of roll and yaw.
+
+    From ``s⁴ + (1 + 3 k1 + k1 k3) s² + 4 k1 k3 = 0``, and a mode by its ratio of yaw to roll.
+    """
+    roll, pitch, yaw = moments
+    k1, k3 = (pitch - yaw) / roll, (pitch - roll) / yaw
+    roots = np.roots([1.0, 0.0, 1.0 + 3.0 * k1 + k1 * k3, 0.0, 4.0 * k1 * k3])
+    ratio = (roots**2 + 4.0 * k1) / ((1.0 - k1) * roots)
+    modes = np.array([1.0 + 0.0 * roots, ratio, roots, ratio * roots])
+    return float(roots.real.max()), float(np.linalg.cond(modes / np.linalg.norm(modes, axis=0)))
+
+
+@pytest.mark.parametrize(
+    ("moments", "factor", "share"),
+    [
+        ((1.6, 2.0, 1.0), 1.01, 1.0),
+        ((1.6, 2.0, 1.0), 0.99, np.nan),
+        ((2.0, 1.5, 1.0), 0.99, 0.0),
+        ((2.0, 1.5, 1.0), 1.01, np.nan),
+    ],
+)
+def test_roll_and_yaw_are_predicted_with_a_margin(
+    moments: tuple[float, float, float], factor: float, share: float
+) -> None:
+    """Four standard deviations keep half of the limit; a thousandth of one passes it four times.
+
+    Between these limits nothing is predicted.
+    """
+    rate, noise, t_end = 2.0, 1e-3, 8.0
+    growth, condition = roll_and_yaw(moments)
+    size = noise / rate
+    if growth < 1e-9:
+        limit = 2.0 * 4.0 * size * condition
+    else:
+        limit = np.exp(growth * rate * t_end) * 1e-3 * size / condition / 4.0
+    assert 0.0 < limit < 1.0
+    theory = predict(
+        spec_of(
+            scene=rigid.FreeBody(rigid.Body(moments), orbit=rigid.Orbit(rate)),
+            axes={"I1": [moments[0]]},
+            start=rigid.Start(
+                omega=(0.0, rate, 0.0), attitude=(0.5,) * 4, noise=rigid.normal(noise)
+            ),
+            stable=rigid.tilt_below(factor * limit, axis=2, reference="vertical"),
+            method="auto",
+            t_end=t_end,
+        )
+    )
+    np.testing.assert_array_equal(np.nan if theory is None else theory.share[0], share)
+
+
 def test_the_summary_says_that_noise_of_the_attitude_is_in_the_way_of_theory() -> None:
     spec = read_spec("gravity-gradient").spec
     assert isinstance(spec.start, rigid.Start)

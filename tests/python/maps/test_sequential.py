@@ -8,7 +8,7 @@ import pytest
 import rigid
 from refusals import refuses
 from rigid.maps.data import MapData
-from rigid.maps.sequential import stop_table
+from rigid.maps.sequential import checked_half_width, stop_table
 from small_maps import small_map, spec_of
 from stopping import Stopping, least_coverage
 
@@ -32,6 +32,8 @@ def test_the_table_of_half_width_5_percent() -> None:
     looks = stop_table(0.05)
     assert looks.most.tolist() == [1, 7, 19, 37, 64, 101, 158, 256]
     assert looks.last == 512
+    assert stop_table(checked_half_width(0.25)).samples.tolist() == [64]
+    assert stop_table(checked_half_width(0.002)).last == 294_848  # as its docstring says
 
 
 def test_the_reported_interval_holds_the_share_95_times_of_100() -> None:
@@ -142,8 +144,11 @@ test_options_are_checked = refuses(
     [
         ({"samples": 5, "half_width": 0.1}, TypeError, "samples, half_width: give one of the two"),
         ({"samples": None}, TypeError, "samples, half_width: give one of the two"),
-        ({"samples": None, "half_width": 0.001}, "half_width = 0.001: must lie in"),
-        ({"samples": None, "half_width": 0.3}, "half_width = 0.3: must lie in"),
+        (
+            {"samples": None, "half_width": 0.0019},
+            r"half_width = 0.0019: must lie in \[0.002, 0.25",
+        ),
+        ({"samples": None, "half_width": 0.26}, r"half_width = 0.26: must lie in \[0.002, 0.25\]"),
         ({"refine": 1}, "refine = 1: must be at least 2"),
         ({"budget": 0}, "budget = 0: must be at least 1"),
     ],

@@ -208,7 +208,7 @@ POINTS = np.eye(3)
 REFUSED: list[tuple[Any, ...]] = [
     (
         lambda: particles.particle_totals([1.0, -1.0, 2.0], POINTS, POINTS),
-        "masses = -1.0: must not be negative",
+        "masses[1] = -1.0: must not be negative",
     ),
     (
         lambda: particles.particle_totals(np.zeros(3), POINTS, POINTS),

@@ -82,6 +82,9 @@ def test_many_bodies_are_thrown_at_once() -> None:
     own = np.array([[[0.0, 0.0, -1.0]], [[0.0, 0.0, -2.0]]])
     each = throw(own, omega=omega)
     np.testing.assert_allclose(each.velocity[:, -1, 2], 4.0 - np.array([1.0, 2.0]) * 5.0 / 1.7)
+    sampled = throw(own * TIMES[:, np.newaxis], omega=omega)
+    fallen = -np.array([1.0, 2.0]) * 5.0**2 / 2.0 / 1.7
+    np.testing.assert_allclose(sampled.velocity[:, -1, 2], 4.0 + fallen)
     none = throw([0.0, 0.0, -1.0], omega=np.zeros((0, 3)))
     assert none.position.shape == (0, 41, 3)
 

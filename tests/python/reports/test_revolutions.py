@@ -17,7 +17,8 @@ from refusals import refuses
 from rigid.cli import main
 from rigid.reports import compute, sweep
 from rigid.reports.ensemble import ensemble_of
-from rigid.reports.spec import REVOLUTIONS
+from rigid.reports.reference import Horizon, Reference
+from rigid.reports.spec import REVOLUTIONS, make_spec
 from rigid.reports.table import in_short
 
 Floats = NDArray[np.float64]
@@ -166,6 +167,18 @@ def test_the_energy_of_a_damped_top_is_compared_with_the_work() -> None:
     assert "largest error of its balance" in str(result)
 
 
+def test_states_are_looked_at_256_times_that_keep_step_with_no_period() -> None:
+    """The time k lies in the k-th of 256 parts, at the fraction of k times the golden ratio."""
+    ensemble = ensemble_of(make_spec(BODY, OMEGA, revolutions=[10], bodies=2))
+    run = ensemble.run("rk4", 25_600)
+    k = np.arange(256)
+    ratio = (1.0 + math.sqrt(5.0)) / 2.0
+    seen = np.rint(100.0 * (k + (k * ratio) % 1.0))
+    np.testing.assert_allclose(run.t[:-1] * 25_600 / run.t[-1], seen, rtol=1e-9)
+    assert run.t[-1] == ensemble.spec.t_end
+    assert run.steps.tolist() == [25_600] * 2
+
+
 def test_no_phase_below_the_uncertainty_of_the_reference_is_told(free: rigid.Report) -> None:
     assert [reference.method for reference in free.references] == ["exact"] * 3
     for count, reference in zip(free.spec.revolutions, free.references, strict=True):
@@ -207,6 +220,46 @@ def test_the_phase_of_a_chaotic_motion_is_not_told() -> None:
     assert none.plot().shape == (2, 2)
 
 
+@pytest.mark.parametrize(
+    ("errors", "following"),
+    [
+        ([], 16.0),
+        ([(1e-4, 1e-4, 1e-2)], 8.0),
+        ([(1e-3, 1e-4, 1e-2)], 8.0),  # lost
+        ([(1e-4, 1e-4, 1e-2), (0.6e-4, 0.6e-4, 0.6e-2)], "rounding"),
+        ([(1e-4, 1e-4, 1e-2), (0.4e-4, 0.6e-4, 0.6e-2)], 4.0),
+        ([(1e-4, 1e-4, 1e-2), (0.6e-4, 0.4e-4, 0.6e-2)], 4.0),
+        ([(1e-4, 1e-4, 1e-2), (0.6e-4, 0.6e-4, 0.4e-2)], 4.0),
+        # Half of the best before, not of the last one.
+        ([(1e-6, 1e-6, 1e-2), (1e-4, 1e-4, 1e-1), (0.6e-6, 0.6e-6, 0.6e-2)], "rounding"),
+        # Rounding, a lost phase, and one below the uncertainty of the reference show nothing.
+        ([(4e-13, 4e-13, 2.0), (1e-15, 1.0, 1.5)], 4.0),
+        ([(2e-13, 2e-13, 2.0), (1e-15, 1e-15, 1.5)], "rounding"),
+        ([(1e-15, 1e-15, 2e-9), (1e-15, 1e-15, 1e-12)], "rounding"),
+        ([(1e-15, 1e-15, 4e-9), (1e-15, 1e-15, 1e-12)], 4.0),
+        # A lost step after others of use.
+        ([(1e-4, 1e-4, 1e-2), (1e-2, 1e-2, 1e-2)], 4.0),
+        ([(1e-2, 1e-2, 1e-2)] * 9, "shortest step"),
+    ],
+)
+def test_steps_are_halved_until_no_error_falls(
+    errors: list[tuple[float, float, float]], following: float | str
+) -> None:
+    """Of energy, momentum and phase, in steps of 16 rad and shorter, down to 1/16 rad."""
+    ensemble = ensemble_of(make_spec(BODY, OMEGA, revolutions=[10]))
+    horizon = Horizon(10.0, ensemble, Reference("exact", 0, 1e-10, 1e-9), None)
+    one = sweep.Sweep("rk4")
+    for k, (energy, momentum, phase) in enumerate(errors):
+        angle = 2.0 ** (4 - k)
+        steps, state = math.ceil(20.0 * math.pi / angle), np.full(32, phase)
+        one.runs[steps] = [sweep.Measured(steps, state, state, energy, momentum, 1.0, angle)]
+    found = one.next_steps(horizon)
+    if isinstance(following, str):
+        assert (found, one.ended) == (None, following)
+    else:
+        assert found == (math.ceil(20.0 * math.pi / following), following)
+
+
 # What is said of it
 
 
@@ -231,6 +284,18 @@ def test_the_common_time_is_the_least_that_every_method_needs(free: rigid.Report
     assert [row.method for row in rows] == list(free.methods)
     assert all(row.nanoseconds <= free.common_time for row in rows)
     assert free.common_time in {row.nanoseconds for row in free.rows}
+
+
+@pytest.mark.parametrize(("longer", "horizon"), [(4, 100), (3, 100), (2, 10), (0, 10)])
+def test_the_horizon_is_what_three_of_four_steps_were_run_over(
+    free: rigid.Report, longer: int, horizon: float
+) -> None:
+    steps = [row for row in free.rows if row.method == "rk4" and row.revolutions == 10][:4]
+    further = [one for step in steps[:longer] for one in free.growth(step)[1:2]]
+    some = dataclasses.replace(free, rows=(*steps, *further))
+    assert len(steps) == 4
+    assert some.horizon == horizon
+    assert {row.revolutions for row in some.of("rk4")} == {horizon}
 
 
 def test_the_front_is_not_dominated(free: rigid.Report) -> None:
@@ -360,7 +425,10 @@ test_mistakes_name_argument_value_and_rule = refuses(
             r"revolutions\[1\] = 10.0: must be above 10 and at most 1e\+09",
         ),
         ({"revolutions": [0]}, r"revolutions\[0\] = 0.0: must be above 0"),
-        ({"revolutions": [1e10]}, r"revolutions\[0\] = 10000000000.0: must be above 0 and at most"),
+        (
+            {"revolutions": [np.nextafter(1e9, np.inf)]},
+            r"revolutions\[0\] = 1000000000.0000001: must be above 0 and at most 1e\+09",
+        ),
         ({"methods": ["exact"]}, r"methods = \['exact'\]: none .*: exact: makes no steps"),
         (
             {"scene": LAGRANGE, "methods": ["dmv2"]},

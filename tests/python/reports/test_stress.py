@@ -1,7 +1,9 @@
 """Extreme and stiff bodies by every method: right, flagged or refused."""
 
 import dataclasses
+import re
 import time
+from pathlib import Path
 
 import pytest
 
@@ -11,10 +13,23 @@ from refusals import refuses
 from rigid import _core
 from rigid.reports.stress_cases import cases
 
+TABLE = Path(__file__).parents[3] / "docs" / "reports" / "extremes.txt"
+
 
 @pytest.fixture(scope="module")
 def found() -> rigid.Extremes:
     return rigid.extremes(progress=False)
+
+
+def test_the_table_in_the_docs_has_the_cases_of_today() -> None:
+    """Family by family: what a case is called says what is extreme, so a changed case shows."""
+    rows = re.findall(r"^ ? ?\S.*?(?=\s{2}|$)", TABLE.read_text(encoding="utf-8"), re.MULTILINE)
+    asked: list[str] = []
+    for case in cases():
+        if case.family not in asked:
+            asked.append(case.family)
+        asked.append(f"  {case.name}")
+    assert rows[1 : len(asked) + 1] == asked
 
 
 def test_no_answer_is_wrong_without_saying_so(found: rigid.Extremes) -> None:
@@ -64,6 +79,20 @@ def test_the_table_counts_its_cells(found: rigid.Extremes) -> None:
     assert str(rigid.Extremes((wrong,))).endswith("1 undetected error in 1 run")
     assert sum(found.counts().values()) == len(found.cells)
     assert "omega = (1e-14, 1, 1e-14)" in text
+
+
+def told(text: str) -> str:
+    """The words of a table without the seconds, and without the digits of errors of rounding.
+
+    The latter depend on the mathematical library that computes a start or a truth.
+    """
+    timeless = re.sub(r" \d+\.\d\b", "", text)
+    return " ".join(re.sub(r"\de-1[4-9]", "rounding", timeless).split())
+
+
+def test_the_table_in_the_docs_is_that_of_today(found: rigid.Extremes) -> None:
+    """How many results are right, their largest error, and the verdicts of all others."""
+    assert told(str(found)) == told(TABLE.read_text(encoding="utf-8"))
 
 
 def test_one_family_by_one_method() -> None:

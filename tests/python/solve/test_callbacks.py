@@ -738,6 +738,18 @@ def test_a_function_without_data_is_told_time_and_attitude(way: str) -> None:
     assert float(run.error) < 1e-11
 
 
+def test_a_function_of_python_takes_its_arrays_whole(no_numba: None) -> None:
+    def whole(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+        w, x, y, z = attitude
+        (gain,) = data
+        torque[:] = -gain * omega * (w * w + x * x + y * y + z * z)
+
+    damped = rigid.simulate(top(damping=0.3), OMEGA, TILTED, t=[1.0, 3.0], accuracy=1e-13)
+    scene = top(torque=rigid.Torque.call(whole, [0.3]))
+    run = rigid.simulate(scene, OMEGA, TILTED, t=[1.0, 3.0], accuracy=1e-11)
+    assert np.abs(run.omega - damped.omega).max() < 1e-11 * np.linalg.norm(OMEGA) * 3.0
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_only_bodies_that_move_are_called(method: str) -> None:
     # As many calls of all bodies together as of each alone: none of a body that is not there.

@@ -2,6 +2,7 @@
 
 import itertools
 from dataclasses import replace
+from decimal import Decimal
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import rigid
 from error_survey import final_error, survey
 from physics import EVERY_METHOD, Floats, Golden, golden, present, rotation_angle, tilted
 from refusals import refuses
-from rigid.solve.arrays import roots
+from rigid.solve.choose_method import roots
 from rigid.solve.methods import series_methods
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
@@ -293,6 +294,16 @@ def test_roots_of_the_orders_of_most_methods_are_exact_where_they_can_be(order: 
     whole: Floats = np.ldexp(np.ones(41), np.arange(-20, 21))
     powers: Floats = whole**order
     assert (roots(powers, order) == whole).all()
+
+
+@pytest.mark.parametrize("order", [2, 4, 8])
+def test_roots_of_the_orders_of_most_methods_are_square_roots_each_rounded(order: int) -> None:
+    """Decimal arithmetic knows 28 digits; a power by 1/4 rounds otherwise, and not everywhere."""
+    numbers: list[float] = np.random.default_rng(1).uniform(1e-12, 1e3, 99).tolist()
+    rounded = numbers
+    for _ in range(order.bit_length() - 1):
+        rounded = [float(Decimal(number).sqrt()) for number in rounded]
+    assert roots(np.array(numbers), order).tolist() == rounded
 
 
 SPUN = rigid.Body((1.0, 1.1, 1.2))

@@ -14,8 +14,8 @@ from judged_growth import judge_growth
 from physics import Floats, gamma_of, present
 from refusals import refuses
 from rigid import _core
+from rigid.model.bodies import bodies_of
 from rigid.model.scene import Scene
-from rigid.solve.bodies import bodies_of
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
 BOX = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))

@@ -10,8 +10,8 @@ import pytest
 
 import rigid
 from physics import LISTED, METHODS, tilted
+from rigid.model.bodies import bodies_of
 from rigid.model.scene import Scene
-from rigid.solve.bodies import bodies_of
 from small_maps import small_map
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))

@@ -11,6 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import rigid
+from rigid._archive import Archive, ForeignError, write_archive
 from rigid.solve.columns import Column
 
 BODY = rigid.Body((1.0, 1.5, 2.0))
@@ -94,6 +95,17 @@ def test_a_damaged_run_is_refused(tmp_path: Path) -> None:
         np.savez(path, **{**arrays, name: array})
         with pytest.raises(ValueError, match=r"is a damaged run \((omega: expected|t has no num)"):
             rigid.load_run(path)
+
+
+def test_a_directory_as_long_as_the_bound_is_read(tmp_path: Path) -> None:
+    """An entry of a directory has 46 B and its name (PKWARE's APPNOTE, §4.3.12)."""
+    path = tmp_path / "two.npz"
+    write_archive(path, {"one": np.arange(3.0), "two": np.arange(4)})
+    size = 2 * (46 + len("one.npy"))
+    with path.open("rb") as file:
+        assert Archive(file, size).read("one").tolist() == [0.0, 1.0, 2.0]
+        with pytest.raises(ForeignError, match=f"its directory is larger than {size - 1} B"):
+            Archive(file, size - 1)
 
 
 def test_any_damage_of_a_run_is_a_value_error(tmp_path: Path) -> None:

@@ -12,8 +12,8 @@ import rigid
 from adversarial import KINDS
 from printed_equations import solved
 from refusals import refuses
+from rigid.model.bodies import bodies_of
 from rigid.model.scene import scene_from_dict
-from rigid.solve.bodies import bodies_of
 from verdicts import judge
 
 Floats = NDArray[np.float64]

@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 import rigid
 from physics import METHODS, Floats, gamma_of, present
 from refusals import refuses
+from rigid.model.bodies import bodies_of
 from rigid.model.scene import Scene
-from rigid.solve.bodies import bodies_of
 from rigid.solve.request import Request
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))

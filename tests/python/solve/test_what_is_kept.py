@@ -12,8 +12,8 @@ import pytest
 import rigid
 from rigid import _core
 from rigid._checks.arguments import resolve_threads
+from rigid.model.bodies import bodies_of
 from rigid.model.scene import Scene
-from rigid.solve.bodies import bodies_of
 from rigid.solve.request import Request
 
 BODY = rigid.Body((1.0, 1.6, 0.7))

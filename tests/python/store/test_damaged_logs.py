@@ -62,12 +62,15 @@ def test_a_log_is_a_tar_file_of_numpy_tables(log: bytes, run: Folder) -> None:
     units: dict[str, list[Any]] = {"": [], ".bins": []}
     with tarfile.open(fileobj=io.BytesIO(log)) as archive:
         names = archive.getnames()
+        last = archive.getmembers()[-1]
         for name in names:
             if name.endswith(".npy") and ".ns." not in name:
                 member: Any = archive.extractfile(name)
                 rows = np.load(io.BytesIO(member.read()), allow_pickle=False)
                 units[".bins" * name.endswith(".bins.npy")].append(np.unique(rows["unit"]))
     assert (names[0], names[-1]) == ("writer.json", "end.json")
+    # POSIX: the last member is filled up to 512 bytes, and two such blocks of zeros follow.
+    assert len(log) == last.offset_data + -(-last.size // 512) * 512 + 2 * 512
     head = json.loads((run.path / "head.json").read_text())
     assert head["format_version"] == 1
     for kind, tables in units.items():

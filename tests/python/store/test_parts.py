@@ -1,6 +1,7 @@
 """Parts of a map: each has its share of the work, and together they are the map."""
 
 import itertools
+import math
 import os
 import time
 from calendar import timegm
@@ -13,7 +14,7 @@ import pytest
 import rigid
 from rigid.store.head import Head, divided
 from rigid.store.log import UTC
-from rigid.store.resume import Part, missing
+from rigid.store.resume import GOLDEN, Part, missing
 from rigid.store.rows import Block
 from rigid.store.running import Folder, Memory
 from small_maps import assert_same_map, saved_bytes, small_map, spec_of
@@ -88,7 +89,11 @@ def test_few_pixels_are_divided_evenly() -> None:
 
 
 def test_no_part_is_a_column() -> None:
-    """What a body costs varies along axes: a part of one column would cost more than the others."""
+    """What a body costs varies along axes: a part of one column would cost more than the others.
+
+    Their turns are shifted by multiples of the golden ratio, here in whole numbers.
+    """
+    assert int(GOLDEN) == (math.isqrt(5 * 2**128) - 2**64) // 2
     for part in shares(spec_of_grid(24, 16, 10), 24):
         assert len(np.unique(part % 24)) >= 8
 

@@ -11,9 +11,11 @@ import pytest
 
 import rigid
 from refusals import refuses
+from rigid.store import log, resume
+from rigid.store.disk import Disk
 from rigid.store.log import Log
-from rigid.store.rows import Block
-from rigid.store.running import Folder
+from rigid.store.rows import ROW, Block
+from rigid.store.running import Folder, Memory
 from rigid.store.store import Store
 from small_maps import small_map, spec_of
 from stores import SPEC, go_on, numbers, request, stops_after
@@ -50,6 +52,38 @@ def test_right_rows_are_never_refused(tmp_path: Path) -> None:
     assert go_on(folder.path).reason == "complete"
 
 
+@pytest.mark.parametrize(
+    ("count", "seconds", "expected"),
+    [
+        (16, 0.0, 16),
+        (17, 0.0, 9),  # each second one
+        (100, 0.0, 15),  # each seventh
+        (100, np.nan, 15),
+        (100, 0.125, 4),
+        (100, 0.6, 1),
+    ],
+)
+def test_some_rows_are_computed_again_for_half_a_second(
+    count: int, seconds: float, expected: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Sixteen at most, at equal distances; one at least."""
+    units = np.arange(count) + 3
+    rows = np.zeros(count, ROW)
+    rows["unit"] = units
+    memory = Memory(SPEC)
+    memory.append(Block(rows, np.full(count, 1e9 * seconds, np.float32)))
+    again: list[int] = []
+
+    def computed(_head: object, units: np.ndarray[Any, Any], *_: object) -> Block:
+        again.extend(units.tolist())
+        return memory.table.block(units)
+
+    monkeypatch.setattr(resume, "compute", computed)
+    resume._compute_again(memory, 1, lambda: False)
+    step = -(-count // 16)
+    assert again == units[::step][:expected].tolist()
+
+
 def test_verification_finds_every_altered_row(tmp_path: Path) -> None:
     folder = altered(tmp_path / "run", 100, 29)
     found = rigid.open_store(folder.path).verify(1.0)
@@ -58,7 +92,10 @@ def test_verification_finds_every_altered_row(tmp_path: Path) -> None:
     some = rigid.open_store(folder.path).verify(0.1, seed=4)
     assert some.checked == 10
     assert set(some.wrong) <= set(found.wrong)
-    assert "100 of 100 units were computed again: 29 differ" in str(found)
+    lines = str(found).splitlines()
+    assert lines[0] == "100 of 100 units were computed again: 29 differ"
+    assert lines[1:21] == found.wrong[:20]
+    assert lines[21:] == ["and 9 more"]
     assert rigid.open_store(tmp_path / "quiet").verify(1.0).ok
 
 
@@ -91,7 +128,9 @@ def test_another_map_is_refused_with_what_differs(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"samples: 20 and 21; seed: 1 and 3"):
         rigid.stability_map(**request(store=path, rng=3, samples=21))
     go_on(tmp_path / "other", spec=spec_of())
-    with pytest.raises(ValueError, match=r"x.from: 1.01 and 0.5; x.to: .*; x.count: 7 and 20; "):
+    # Of the y axis ends and number, and the method: five are told.
+    told = "x.from: 1.01 and 0.5; x.to: 1.99 and 3.5; x.count: 7 and 20; y.count: 5 and 12; "
+    with pytest.raises(ValueError, match=re.escape(told) + r'method: "rk4" and "auto"; take'):
         rigid.merge([path, tmp_path / "other"], tmp_path / "merged")
 
 
@@ -217,7 +256,9 @@ def test_differences_of_one_map_are_told_by_column(tmp_path: Path) -> None:
     found = rigid.diff(folder.path, tmp_path / "quiet")
     assert not found.same
     assert found.specification == []
-    assert found.numbers[0].endswith("pixels are in the second only")
+    assert found.numbers[0] == "44 pixels are in the second only"
+    turned = rigid.diff(tmp_path / "quiet", folder.path)
+    assert turned.numbers[0] == "44 pixels are in the first only"
     assert found.numbers[1].startswith("stable: 3 pixels differ, the first at (")
     assert str(rigid.diff(tmp_path / "quiet", tmp_path / "quiet")) == "no difference"
 
@@ -227,8 +268,15 @@ def test_differences_of_two_maps_are_told_by_their_intervals() -> None:
     found = rigid.diff(one, two)
     assert found.specification == ["seed: 1 and 2"]
     assert re.match(r"0 of 35 pixels have intervals that do not meet", found.numbers[0])
-    apart = int(re.match(r"(\d+) of", rigid.diff(one, shorter).numbers[0])[1])  # type: ignore[index]
-    assert apart > 3
+    apart = np.abs(one.share - two.share)
+    place = tuple(int(i) for i in np.unravel_index(apart.argmax(), apart.shape))
+    assert found.numbers[1:] == [
+        f"largest difference of shares: {apart.max():.3g} at {place}: "
+        f"{one.share[place]:.6g} and {two.share[place]:.6g}"
+    ]
+    told = int(re.match(r"(\d+) of", rigid.diff(one, shorter).numbers[0])[1])  # type: ignore[index]
+    meet = (one.lower <= shorter.upper) & (shorter.lower <= one.upper)
+    assert told == (~meet).sum() > 3
     axes = {"I2/I1": [1.2, 1.5]}
     assert rigid.diff(one, small_map(axes=axes)).numbers == [
         "the axes differ: the pixels cannot be compared"
@@ -259,7 +307,29 @@ def test_the_status_counts_rows_writers_and_damage(tmp_path: Path) -> None:
 def test_two_logs_never_have_one_name(tmp_path: Path) -> None:
     folder = Folder.at(tmp_path / "run", SPEC)
     logs = [Log(folder.path / "logs", folder.head.seal, {}, folder._disk) for _ in range(3)]
-    assert len({log.path for log in logs}) == 3
-    for log in logs:
-        log.close("complete")
+    assert len({one.path for one in logs}) == 3
+    for one in logs:
+        one.close("complete")
     assert numbers(folder.path) == Folder(folder.path).table.rows.tobytes()
+
+
+def test_rows_are_on_the_disk_after_half_a_second(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock, written = [0.0], 0
+
+    class Counting(Disk):
+        def synchronise(self, descriptor: int) -> None:
+            nonlocal written
+            written += 1
+            super().synchronise(descriptor)
+
+    monkeypatch.setattr(log.time, "monotonic", lambda: clock[0])
+    folder = Folder.at(tmp_path / "run", SPEC)
+    own = Log(folder.path / "logs", folder.head.seal, {}, Counting())
+    rows = Block(np.zeros(1, ROW), np.zeros(1, np.float32))
+    for clock[0], expected in ((0.4, 1), (0.5, 2), (0.9, 2), (1.0, 3), (1.4, 3)):
+        own.append(rows)
+        assert written == expected
+    own.close("complete")
+    assert written == 4

@@ -199,11 +199,12 @@ class Flaky:
     """An executor in this process, in which the block with a unit fails each time."""
 
     def __init__(self, unit: int) -> None:
-        self._unit, self._max_workers = unit, 2
+        self._unit, self._max_workers, self.failed = unit, 2, 0
 
     def submit(self, function: Callable[..., Any], task: Task, units: Any) -> Future[Any]:
         future: Future[Any] = Future()
         if self._unit in units:
+            self.failed += 1
             future.set_exception(OSError("the worker is gone"))
         else:
             future.set_result(function(task, units))
@@ -221,11 +222,26 @@ def test_a_unit_that_kills_its_workers_is_reported_and_the_rest_goes_on(tmp_path
     assert rigid.open_store(tmp_path / "run").status().complete
 
 
+class Lost(Future[Any]):
+    """A task that failed; it counts how many were asked for their result."""
+
+    asked = 0
+
+    def result(self, timeout: float | None = None) -> Any:
+        Lost.asked += 1
+        return super().result(timeout)
+
+
 class Broken:
     """An executor whose workers cannot work."""
 
+    def __init__(self) -> None:
+        self.submitted = 0
+        Lost.asked = 0
+
     def submit(self, *_arguments: Any) -> Future[Any]:
-        future: Future[Any] = Future()
+        self.submitted += 1
+        future = Lost()
         future.set_exception(ImportError("no rigid here"))
         return future
 
@@ -233,6 +249,27 @@ class Broken:
 def test_workers_that_cannot_work_end_the_run(tmp_path: Path) -> None:
     with pytest.raises(ImportError, match="no rigid here"):
         rigid.stability_map(**request(store=tmp_path / "run", executor=Broken()))
+
+
+def test_units_are_given_up_after_three_tasks_and_workers_after_a_dozen() -> None:
+    memory = Memory(SPEC)
+    task = Task(SPEC.to_json(), 1, None, {}, SPEC.samples)
+
+    def poisoned(units: range, executor: Any) -> dict[int, str]:
+        intake = Intake(memory, lambda *_: None, 1)  # a unit a task
+        return drive(task, np.array(units), intake, executor, 1, lambda: False)
+
+    flaky = Flaky(148)
+    assert poisoned(range(146, 149), flaky) == {148: "OSError: the worker is gone"}
+    assert flaky.failed == 3
+    # Four units fail three times each. The thirteenth failure without any success is raised.
+    assert poisoned(range(4), Broken()).keys() == {0, 1, 2, 3}
+    broken = Broken()
+    with pytest.raises(ImportError, match="no rigid here"):
+        poisoned(range(100), broken)
+    assert Lost.asked == 13
+    # Two tasks for each worker wait: after six turns of two the seventh is begun.
+    assert broken.submitted == 14
 
 
 def test_a_worker_of_another_version_is_refused(tmp_path: Path) -> None:

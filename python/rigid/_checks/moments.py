@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _core
-from ._checks.arguments import brief, first_place, shaped
-from ._checks.arrays import Floats
-from ._checks.warned import warn_caller
+from .. import _core
+from .arguments import brief, first_place, shaped
+from .arrays import Floats
+from .warned import warn_caller
 
 MEASURED = 1e-2
 """Largest excess of a moment over the sum of the others, as a share of it, that passes for the
@@ -48,6 +48,28 @@ def rods(moments: Floats) -> NDArray[np.bool_]:
 def hold_rods(moments: Floats) -> bool:
     """Whether a rod is among the bodies of these moments, shape (..., 3)."""
     return not moments.all() and bool(rods(moments).any())
+
+
+def symmetry_axis(moments: Sequence[float] | Floats) -> int | None:
+    """The axis 1, 2 or 3 about which two of three moments are exactly equal, or None."""
+    i1, i2, i3 = moments
+    if i1 == i2:
+        return 3
+    if i3 == i1:
+        return 2
+    return 1 if i2 == i3 else None
+
+
+def refuse_rods(moments: Floats) -> None:
+    """Raise ValueError for moments, shape (..., 3), of a rod where a spin about its axis counts."""
+    thin = rods(moments)
+    if thin.any():
+        index, place = first_place(np.atleast_1d(thin))
+        values = ", ".join(f"{moment:g}" for moment in np.atleast_2d(moments)[index])
+        raise ValueError(
+            f"moments{place if moments.ndim > 1 else ''} = ({values}): a rod has no moment about "
+            "its axis, and a spin about the axis counts here; give a small moment"
+        )
 
 
 def without_spin(moments: Floats) -> Floats:

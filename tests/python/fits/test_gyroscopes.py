@@ -13,8 +13,8 @@ import rigid
 from fit_cases import CHANCE, judged, judged_few
 from physics import Floats
 from printed_equations import solved
-from rigid.solve import arcs
-from rigid.solve.least_squares import descents
+from rigid.fits import arcs
+from rigid.fits.least_squares import descents
 
 MOMENTS, START = np.array([1.0, 1.5, 2.0]), np.array([0.1, 1.0, 0.2])
 GUESS = rigid.Body((1.0, 1.4, 2.1))

@@ -17,7 +17,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from .._files import ARRAYS, published
+from ._files import ARRAYS, published
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
@@ -65,7 +65,7 @@ class Archive:
         If an entry is compressed, or the directory of the archive is longer than ``directory``.
     """
 
-    def __init__(self, file: BinaryIO, directory: int = 2**32) -> None:
+    def __init__(self, file: BinaryIO, directory: float = math.inf) -> None:
         self.length = _archive_length(file)
         if _directory_size(file, self.length) > directory:
             raise ForeignError(f"its directory is larger than {directory} B")

@@ -12,18 +12,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .._archive import write_archive
 from .._checks.arguments import brief, shaped, sorted_times, vector
 from .._checks.arrays import Floats
+from .._checks.moments import refuse_rods
 from .._checks.progress import ProgressOption, reporting
 from .._checks.shown import aligned
 from .._checks.warned import warn_caller
 from ..drawing.colours import AXES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_with_picture
-from ..model.body import Body, refuse_rods
+from ..model.body import Body
 from ..model.frame import checked_frame
 from ..model.parameters import PARAMETERS
 from ..model.scene import Scene, check_scene
-from .archive import write_archive
 from .arcs import Arcs, largest_of, overtaken
 from .least_squares import UNTOLD, Minimum
 from .unknowns import BIAS, DAMPING, MOMENTS, RATIOS, SCALE, SENSOR, START, Unknowns

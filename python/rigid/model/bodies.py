@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arrays import IDENTITY, AttitudeLike, Floats, attitudes, unit_quaternions, vectors
-from .._moments import hold_rods, without_spin
-from ..model.batch import Shape, batch_shape
-from ..model.body import rates_of_rods, refuse_rods
-from ..model.frame import attitudes_in_principal_axes, turned
-from ..model.scene import Scene
-from ..model.torque import NO_EXPONENT, forces_of
-from .arrays import Range, in_rows, rows_of_each
+from .._checks.moments import hold_rods, refuse_rods, without_spin
+from .batch import Shape, batch_shape, in_rows, rows_of_each
+from .body import rates_of_rods
+from .frame import attitudes_in_principal_axes, turned
+from .scene import Scene
+from .torque import NO_EXPONENT, forces_of
 
 SLOWEST = 1e-140
 """Least rate (rad/s) whose square, and products of rates, do not underflow."""
@@ -26,13 +25,25 @@ HEAVIEST = 1e153
 """Weight over the least moment (1/s²) near which its square overflows, 1e308."""
 
 
+Range: TypeAlias = tuple[float, float] | tuple[Floats, Floats]
+"""First and last of some times and 0 (s), or of the times of each body with shape (n,)."""
+
+
+def time_ranges(times: Floats) -> Range:
+    """First and last of ascending times and 0 (s), or of the times (n, m) of each body."""
+    if times.ndim == 1:
+        return (min(float(times[0]), 0.0), max(float(times[-1]), 0.0)) if len(times) else (0.0, 0.0)
+    if not times.shape[1]:
+        return np.zeros(len(times)), np.zeros(len(times))
+    return np.minimum(times[:, 0], 0.0), np.maximum(times[:, -1], 0.0)
+
+
 @dataclass(slots=True, eq=False)
 class Bodies:
     """Bodies of one kind with their starts: of a call, of a second run, or of pixels of a map.
 
     Nothing here is checked again. :func:`bodies_of` checks what a user gives.
-    As :class:`.request.Request`, which a call makes too, it is not frozen: a frozen object takes
-    twice as long to make.
+    It is not frozen: a frozen object takes twice as long to make.
 
     Attributes
     ----------
@@ -348,6 +359,16 @@ def starts_of(
             refuse_rods(moments)
         rates = rates_of_rods("omega", rates, moments, scene.weight, scene.forces)
     return rates, attitude, shape
+
+
+def lagrange_axes(moments: Floats, weight: Floats) -> NDArray[np.int64]:
+    """The symmetry axis 1, 2 or 3 of each Lagrange top, 0 of other bodies, shape (n,).
+
+    The moments about the other two axes are exactly equal, the weight lies exactly on the axis. One
+    row of moments or weight may hold for all.
+    """
+    first, second = np.broadcast_arrays(moments, weight)
+    return _core.lagrange_axes(np.ascontiguousarray(first), np.ascontiguousarray(second))
 
 
 def holds_rods(scene: Scene) -> bool:

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, first_place, shaped
 from .._checks.arrays import Floats
-from .._moments import possible_tensor, symmetric_tensor
-from ..rotations.so3 import rotation_matrices
+from .._checks.matrices import rotation_matrices
+from .._checks.moments import possible_tensor, symmetric_tensor
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False)

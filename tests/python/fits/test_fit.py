@@ -14,8 +14,8 @@ from scipy.spatial.transform import Rotation
 import rigid
 from physics import Floats
 from refusals import refuses
-from rigid.solve.least_squares import minimum
-from rigid.solve.unknowns import Unknowns
+from rigid.fits.least_squares import minimum
+from rigid.fits.unknowns import Unknowns
 
 T = np.linspace(0.0, 25.0, 150)
 START = np.array([0.2, 1.0, 0.3])

@@ -16,13 +16,13 @@ from ..model.orbit import HYPERBOLA, MOST_ECCENTRIC
 from ..model.parameters import AT_REST, PARAMETERS, PLACES, numbers_of, scene_of
 from ..model.scene import Scene
 from ..rotations.so3 import exp_so3, over, rodrigues
-from .simulate import simulate
-from .tangent import checked_names, differentiable, why_not
+from ..solve.simulate import simulate
+from ..solve.tangent import checked_names, differentiable, why_not
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-    from .run import Run
+    from ..solve.run import Run
 
 
 MOMENTS = ("I1", "I2", "I3")
