@@ -94,6 +94,24 @@ def test_attitudes_of_sampled_rates_have_order_4_within_their_error(
     assert np.log2(errors[-2] / errors[-1]) > 3.7
 
 
+@pytest.mark.parametrize("frame", ["body", "space"])
+@pytest.mark.parametrize("record", ["with a gap", "at random times"])
+def test_attitudes_of_a_record_with_long_intervals_are_within_their_error(
+    frame: str, record: str
+) -> None:
+    """Every second sample left out hardly changes the longest interval, which has the error."""
+    truth = follow(frame, 5.0)
+    rng = np.random.default_rng(2026)
+    for first in range(10, 60, 10):
+        if record == "with a gap":
+            t = np.linspace(0.0, 5.0, 101)[np.r_[:first, first + 8 : 101]]
+        else:
+            t = 5.0 * np.concatenate([[0.0], np.sort(rng.uniform(size=99)), [1.0]])
+        path = rotations.attitude_from_samples(prescribed(t), t, frame=frame, tolerance=1e-12)
+        error = float(rotation_angle(path.attitude[-1], truth))
+        assert error <= path.error < 20.0 * error
+
+
 def test_sampled_rates_of_many_bodies_and_of_a_polynomial() -> None:
     """A cubic is its own spline: only the steps have an error."""
     t = np.array([0.0, 0.4, 0.5, 1.1, 1.7, 2.0])
