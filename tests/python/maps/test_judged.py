@@ -145,7 +145,8 @@ def test_the_cost_of_a_judged_map_is_the_processor_time_of_its_function() -> Non
 
 def test_the_cost_of_a_judged_map_contains_the_threads_of_the_core() -> None:
     def upright(states: rigid.States) -> Verdicts:
-        return states.gamma[:, -1, 2] > 0.9
+        assert states.gamma is not None
+        return np.asarray(states.gamma[:, -1, 2] > 0.9)
 
     begin = time.process_time()
     request = {**TOPS, "samples": 2048, "check": 1.0}
