@@ -14,7 +14,8 @@ use std::f64::consts::PI;
 use std::marker::PhantomData;
 
 /// The observed scalar. An angle is observed as a square, which is accurate for small angles: of the chord
-/// `4 sin²(angle / 2)` between two directions, of the distance `8 sin²(angle / 2)` between two attitudes.
+/// `4 sin²(angle / 2)` between two directions, of the distance `8 sin²(angle / 2)` between two attitudes; of the sine of a
+/// pitch, which is smooth where the pitch turns back at a right angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The rate about the observed axis.
@@ -84,11 +85,11 @@ pub struct Bound {
 }
 
 impl Quantity {
-    /// Whether a direction may leap between two places: of the observed vector, or of an angle in the frame of the orbit,
-    /// which swings fast near gimbal lock. Rates and attitudes have no direction that could, nor does an axis that points
-    /// somewhere.
+    /// Whether a direction may leap between two places: of the observed vector, or of a roll or a yaw, which swing fast near
+    /// gimbal lock. Rates and attitudes have no direction that could, nor does an axis that points somewhere, as that of a
+    /// pitch does.
     fn may_leap(self) -> bool {
-        matches!(self, Quantity::Turn { .. } | Quantity::Angle { .. })
+        matches!(self, Quantity::Turn { .. } | Quantity::Angle { of: Angle::Roll | Angle::Yaw, .. })
     }
 
     /// Whether it is seen from the orbit. Then the largest angle is told.
@@ -141,6 +142,8 @@ impl Bound {
             // No angle is larger.
             Quantity::Turn { .. } | Quantity::Attitude if self.below && self.limit >= PI => f64::INFINITY,
             Quantity::Rate | Quantity::Speed => self.limit,
+            Quantity::Angle { of: Angle::Pitch, .. } if self.limit >= 0.5 * PI => Bound::NO_CHORD2,
+            Quantity::Angle { of: Angle::Pitch, .. } => sincos(self.limit).0.powi(2),
             Quantity::Pointing { .. } | Quantity::Angle { .. } if self.limit >= PI => Bound::NO_CHORD2,
             Quantity::Turn { .. } | Quantity::Pointing { .. } | Quantity::Angle { .. } => 4.0 * half * half,
             Quantity::Attitude => 8.0 * half * half,
@@ -159,7 +162,11 @@ impl Bound {
         if !self.quantity.is_of_orbit() || margin.is_nan() {
             return f64::NAN;
         }
-        angle_of(self.limit_of_scalar() - margin)
+        let scalar = self.limit_of_scalar() - margin;
+        match self.quantity {
+            Quantity::Angle { of: Angle::Pitch, .. } => scalar.clamp(0.0, 1.0).sqrt().asin(),
+            _ => angle_of(scalar),
+        }
     }
 
     /// The scalar at the start of an axis or an angle in the frame of an orbit, whose numbers it writes. Without an orbit
@@ -191,7 +198,7 @@ impl Bound {
             seen.get_or_insert_with(|| [radial_at_start(rows, start.own, &axes), in_body(&normal, &axes)]);
         let Quantity::Pointing { from, either } = self.quantity else {
             put(rows, Bound::ACROSS, start.second_unit);
-            return chord2_of_turn(sine_cosine(self.quantity, rows, seen));
+            return square_of_turn(self.quantity, sine_cosine(self.quantity, rows, seen));
         };
         let aimed = seen[usize::from(from == Direction::Normal)];
         if either && dot(&start.unit, &aimed) < 0.0 {
@@ -260,9 +267,12 @@ fn sine_cosine<R: Real>(quantity: Quantity, rows: &Rows<R>, [radial, normal]: &[
     [y * inverse, x * inverse]
 }
 
-/// The square of the chord of an angle with this sine and cosine.
+/// The square of the chord of an angle with this sine and cosine, or of the sine of a pitch.
 #[inline(always)]
-fn chord2_of_turn<R: Real>([sine, cosine]: [R; 2]) -> R {
+fn square_of_turn<R: Real>(quantity: Quantity, [sine, cosine]: [R; 2]) -> R {
+    if let Quantity::Angle { of: Angle::Pitch, .. } = quantity {
+        return sine * sine;
+    }
     let less = cosine - R::splat(1.0);
     sine.fma(sine, less * less)
 }
@@ -312,7 +322,7 @@ fn scalar<R: Real, L: Layout, const D: usize>(
             let normal = in_body(&three(rows, Bound::NORMAL), &frame::<R, L, D>(y));
             let seen = [orbit(rows).radial(y, L::OWN_AT), normal];
             let [sine, cosine] = sine_cosine(quantity, rows, &seen);
-            (chord2_of_turn([sine, cosine]), [sine, cosine, R::splat(0.0)])
+            (square_of_turn(quantity, [sine, cosine]), [sine, cosine, R::splat(0.0)])
         }
         // No orbit.
         _ => (R::splat(0.0), axis),

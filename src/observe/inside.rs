@@ -64,7 +64,7 @@ pub(super) fn least<R: Real, const TIMES: usize>(
         }
         let bend = (around[0] - around[1]) + (around[2] - around[1]);
         let shift = ((around[0] - around[2]) * half) / bend;
-        // A NaN becomes two: then the place moves to the side, and the lowest one is kept.
+        // Without a minimum between the three places the middle one stays, and the lowest one is kept.
         let shift = shift.max(-(one + one)).min(one + one);
         at = reach.fma(R::select(zero.lt(bend), shift, zero), at).max(first).min(last);
         reach = reach * R::splat(0.25);

@@ -26,6 +26,8 @@ pub(super) struct AdaptiveLanes<'a> {
     forces_rows: ForcesRows<'a>,
     /// The next knot of the forces on each lane; infinite if there is none.
     knots: [f64; LANES],
+    /// The time of each lane when its steps were last counted.
+    counted_at: [f64; LANES],
     /// How many bodies have been in a lane.
     pub(super) entered: usize,
     /// How many bodies are told to be done.
@@ -47,6 +49,7 @@ impl<'a> AdaptiveLanes<'a> {
             steps: AdaptiveSteps::inactive(tolerance, kernel.step.numbers.order)?,
             forces_rows: ForcesRows::with_room(request.forces.function_width())?,
             knots: [f64::INFINITY; LANES],
+            counted_at: [f64::NAN; LANES],
             entered: 0,
             told: 0.0,
             stop,
@@ -86,6 +89,7 @@ impl<'a> AdaptiveLanes<'a> {
             row.0[lane] = 0.0;
         }
         self.knots[lane] = f64::INFINITY;
+        self.counted_at[lane] = f64::NAN;
         self.begin_interval(lane, index, 0.0, backward);
         rate
     }
@@ -111,9 +115,16 @@ impl<'a> AdaptiveLanes<'a> {
         self.kernel.advance_adaptive(&mut self.group, &self.forces_rows, &mut self.steps, most);
     }
 
-    /// The steps that a lane has made since the last call.
+    /// The steps that a lane has made since the last call. A lane whose steps no longer change its time has a time that is
+    /// not a number, as if its state had overflowed: its rates grow without bound towards that time.
     pub(super) fn made(&mut self, lane: usize) -> u64 {
-        std::mem::take(&mut self.group.count.0[lane]) as u64
+        let steps = std::mem::take(&mut self.group.count.0[lane]) as u64;
+        let now = self.steps.now[0].0[lane];
+        if steps > 0 && now == self.counted_at[lane] {
+            self.steps.now[0].0[lane] = f64::NAN;
+        }
+        self.counted_at[lane] = now;
+        steps
     }
 
     /// Applies the forces from a knot on, if a lane has reached one. Whether it has.

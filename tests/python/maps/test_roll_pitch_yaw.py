@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation
 
 import rigid
@@ -172,6 +173,49 @@ def test_pitch_of_a_motion_in_the_plane_is_its_libration(e: float) -> None:
         else:
             last = len(late) - 1 - int(late[::-1].argmax()) if late.any() else -1
             assert settled == pytest.approx(t[last] if last >= 0 else 0.0, abs=1e-3)
+
+
+def test_a_largest_pitch_near_a_right_angle_is_that_of_a_ball_in_closed_form() -> None:
+    # A ball keeps its rates in space, and its axis 2 passes the line from the planet closely: there
+    # the pitch turns back, at once if it is a right angle.
+    ball = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.0)), orbit=rigid.Orbit(0.05))
+    result = small_map(
+        ball,
+        axes={"t_end": [60.0]},
+        start=rigid.Start(
+            omega=(0.1, -0.2, 0.5), attitude_noise=rigid.uniform_attitude(), noise=rigid.normal(0.3)
+        ),
+        stable=rigid.no_flip(3),
+        measure=rigid.largest_pitch((1, 3)),
+        samples=64,
+        method="auto",
+    )
+    starts = result.starts(range(64))
+    found = values(result.outcomes(range(64)), "largest_pitch")
+    t = np.linspace(0.0, 60.0, 60001)
+    near = 0
+    for k, (rates, q) in enumerate(zip(starts.omega[0], starts.attitude[0], strict=True)):
+        begin = quaternion_to_matrix(q)
+        spin, speed = begin @ rates, float(np.linalg.norm(rates))
+        about, first = spin / speed, begin[:, 1]
+
+        def minus_square(time: Any) -> Any:
+            turned = np.multiply.outer(speed * time, about)
+            axis = Rotation.from_rotvec(turned).apply(first)
+            angle = 0.05 * np.asarray(time)
+            radial = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=-1)
+            return -((axis * radial).sum(axis=-1) ** 2)
+
+        place = t[minus_square(t).argmin()]
+        best = minimize_scalar(
+            minus_square, bounds=(place - 1e-3, place + 1e-3), options={"xatol": 1e-12}
+        )
+        # At either end too.
+        square = max(-best.fun, *-minus_square(np.array([0.0, 60.0])))
+        pitch = math.asin(math.sqrt(square))
+        near += pitch > 1.54
+        assert found[k] == pytest.approx(pitch, abs=1e-5)
+    assert near > 3
 
 
 @pytest.mark.parametrize("force", ["damping", "drag", "callback"])
