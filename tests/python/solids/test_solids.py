@@ -208,6 +208,13 @@ def test_the_report_of_an_integral_is_honest() -> None:
     assert 0.05 * error < jump.error < 1.0
 
 
+def test_two_points_of_one_density_and_distance_have_no_spread() -> None:
+    """The deviation of a mean has n - 1 degrees of freedom: two points are the fewest."""
+    two = solids.sampled_density([1.0, 1.0], [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]], volume=2.0)
+    assert two.error == 0.0
+    assert two.converged
+
+
 def test_sampled_densities_err_by_their_standard_error() -> None:
     ratios = []
     for _ in range(100):
