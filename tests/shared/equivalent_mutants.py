@@ -115,12 +115,12 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "(left <= point[0]) & (point[0] <= right) -> (left <= point[0]) | (point[0] <= right)",
     ): "it looks at further triangles, and the signs of their areas tell that the line misses them",
     (
-        "solve/least_squares.py",
+        "fits/least_squares.py",
         "free = ~(((x <= low) & (pull > 0.0)) | ((x >= high) & (pull < 0.0)))",
         "pull < 0.0 -> pull <= 0.0",
     ): "a number at its bound that nothing pulls waits for a step of the others",
     (
-        "solve/least_squares.py",
+        "fits/least_squares.py",
         "free = ~(((x <= low) & (pull > 0.0)) | ((x >= high) & (pull < 0.0)))",
         "pull > 0.0 -> pull >= 0.0",
     ): "a number at its bound that nothing pulls waits for a step of the others",
