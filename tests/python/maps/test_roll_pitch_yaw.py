@@ -175,12 +175,19 @@ def test_pitch_of_a_motion_in_the_plane_is_its_libration(e: float) -> None:
             assert settled == pytest.approx(t[last] if last >= 0 else 0.0, abs=1e-3)
 
 
+def square_of_sine(t: Any, ball: Floats, line: Floats) -> Any:
+    """Of the pitch of a ball that keeps its rates in space; axis 2 lies along the line first."""
+    axis = Rotation.from_rotvec(np.multiply.outer(t, ball)).apply(line)
+    angle = 0.05 * np.asarray(t)
+    radial = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=-1)
+    return (axis * radial).sum(axis=-1) ** 2
+
+
 def test_a_largest_pitch_near_a_right_angle_is_that_of_a_ball_in_closed_form() -> None:
-    # A ball keeps its rates in space, and its axis 2 passes the line from the planet closely: there
-    # the pitch turns back, at once if it is a right angle.
-    ball = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.0)), orbit=rigid.Orbit(0.05))
+    # Axis 2 passes the line from the planet closely: there the pitch turns back, at once if it is a
+    # right angle.
     result = small_map(
-        ball,
+        rigid.FreeBody(rigid.Body((1.0, 1.0, 1.0)), orbit=rigid.Orbit(0.05)),
         axes={"t_end": [60.0]},
         start=rigid.Start(
             omega=(0.1, -0.2, 0.5), attitude_noise=rigid.uniform_attitude(), noise=rigid.normal(0.3)
@@ -196,23 +203,18 @@ def test_a_largest_pitch_near_a_right_angle_is_that_of_a_ball_in_closed_form() -
     near = 0
     for k, (rates, q) in enumerate(zip(starts.omega[0], starts.attitude[0], strict=True)):
         begin = quaternion_to_matrix(q)
-        spin, speed = begin @ rates, float(np.linalg.norm(rates))
-        about, first = spin / speed, begin[:, 1]
-
-        def minus_square(time: Any) -> Any:
-            turned = np.multiply.outer(speed * time, about)
-            axis = Rotation.from_rotvec(turned).apply(first)
-            angle = 0.05 * np.asarray(time)
-            radial = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=-1)
-            return -((axis * radial).sum(axis=-1) ** 2)
-
-        place = t[minus_square(t).argmin()]
+        motion = begin @ rates, begin[:, 1]
+        squares = square_of_sine(t, *motion)
+        place = t[squares.argmax()]
         best = minimize_scalar(
-            minus_square, bounds=(place - 1e-3, place + 1e-3), options={"xatol": 1e-12}
+            lambda time, *motion: -square_of_sine(time, *motion),
+            args=motion,
+            bounds=(place - 1e-3, place + 1e-3),
+            options={"xatol": 1e-12},
         )
-        # At either end too.
-        square = max(-best.fun, *-minus_square(np.array([0.0, 60.0])))
-        pitch = math.asin(math.sqrt(square))
+        # At either end too, which is not a maximum.
+        largest = max(-best.fun, squares[0], squares[-1]) if 0.0 < place < 60.0 else squares.max()
+        pitch = math.asin(math.sqrt(largest))
         near += pitch > 1.54
         assert found[k] == pytest.approx(pitch, abs=1e-5)
     assert near > 3
