@@ -103,3 +103,19 @@ def with_states(
     found = solve_ivp(slope, ends, first, "DOP853", times, rtol=rtol, atol=atol)
     states: Floats = found.y.T
     return states
+
+
+def gathers(
+    t: float,
+    omega: Any,
+    attitude: Any,
+    data: Any,
+    torque: Any,
+    states: Any,
+    rates: Any,
+    orbit_position: Any,
+) -> None:
+    """The integral of the place over the time."""
+    for k in range(3):
+        torque[k] = 0.0
+        rates[k] = orbit_position[k]

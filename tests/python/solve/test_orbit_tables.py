@@ -13,7 +13,7 @@ from scipy.integrate import quad
 import rigid
 from golden_orbits import GOLDEN, angle_between, case_of, scene_of, start_of
 from physics import Floats
-from printed_equations import with_states
+from printed_equations import gathers, with_states
 from refusals import refuses
 from rigid.model.scene import scene_from_dict
 
@@ -252,21 +252,6 @@ def test_events_and_steps_know_the_table() -> None:
 def away(t: float, omega: Any, attitude: Any, orbit_position: Any) -> float:
     """The space component of the place along (1, 2, 2)/3."""
     return float(orbit_position[0] + 2.0 * orbit_position[1] + 2.0 * orbit_position[2]) / 3.0
-
-
-def gathers(
-    t: float,
-    omega: Any,
-    attitude: Any,
-    data: Any,
-    torque: Any,
-    states: Any,
-    rates: Any,
-    orbit_position: Any,
-) -> None:
-    """The integral of the place over the time."""
-    for k in range(3):
-        torque[k], rates[k] = 0.0, orbit_position[k]
 
 
 def test_a_function_is_told_the_positions_of_a_table_at_its_times() -> None:

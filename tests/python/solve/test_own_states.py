@@ -14,7 +14,7 @@ import pytest
 from scipy.integrate import quad
 
 import rigid
-from printed_equations import with_states
+from printed_equations import gathers, with_states
 from refusals import refuses
 from rigid.model import compiling
 from rigid.rotations.apply import to_body, to_space
@@ -239,22 +239,6 @@ def test_states_are_saved_exported_and_in_tables(tmp_path: Path) -> None:
 
 
 # The place on the orbit
-
-
-def gathers(
-    t: float,
-    omega: Any,
-    attitude: Any,
-    data: Any,
-    torque: Any,
-    states: Any,
-    rates: Any,
-    orbit_position: Any,
-) -> None:
-    """The integral of the place over the time."""
-    for k in range(3):
-        torque[k] = 0.0
-        rates[k] = orbit_position[k]
 
 
 NORMAL, PERIAPSIS = np.array([2.0, 1.0, 2.0]) / 3.0, np.array([1.0, 2.0, -2.0]) / 3.0
