@@ -46,9 +46,9 @@ class Modes:
     shapes : ndarray, shape (..., 3 N, N, 3)
         Displacements of the particles in each mode, with ``Σ m u² = 1``.
     zero : ndarray of int, shape (...)
-        Number of modes with the frequency zero: 6 for a body that its forces hold together, the
-        translations and the rotations; 5 if the body lies on a line; more if the body can deform
-        without force.
+        Number of modes with the frequency zero, whose squared frequency is below 1e-9 of the
+        largest: 6 for a body that its forces hold together, the translations and the rotations; 5
+        if the body lies on a line; more if the body can deform without force.
     """
 
     omega_squared: Floats
