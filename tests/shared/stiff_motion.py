@@ -90,7 +90,7 @@ def motion(
     limit: int = 3000,
 ) -> Motion | None:
     """The states at ascending times, none below 0; None beyond a limit of steps."""
-    assert not scene.has_further, "the reference has no rotor, sink, drag and orbit"
+    assert not scene.further(), "the reference has no rotor, sink, drag and orbit"
     damping, knots, body, space = applied(scene)
     start, output = np.array(omega, dtype=np.float64), np.array(times, dtype=np.float64)
     largest = np.linalg.norm(scene.weight) + np.abs([body, space]).max()

@@ -208,16 +208,9 @@ class Scene(ByValue, ABC):
         return np.asarray(np.zeros(3) if self.rotor is None else self.rotor)[..., np.newaxis, :]
 
     @property
-    def has_further(self) -> bool:
-        """Whether forces act besides an applied torque, damping and a callback."""
-        return bool(self.further())
-
-    @property
     def tables(self) -> list[tuple[str, Floats]]:
         """The forces that follow a table over time, by name, and the times of their tables."""
-        found = [
-            (force.name, value.t) for force, value in self.further() if isinstance(value, Sampled)
-        ]
+        found = [(one.name, value.t) for one, value in self.further() if isinstance(value, Sampled)]
         if self.torque is not None and self.torque.times:
             found.insert(0, ("torque", np.array(self.torque.times)))
         return found

@@ -315,7 +315,7 @@ def _by_steps(problem: Problem, why: list[Reason]) -> tuple[str, list[Reason]]:
     if problem.step is None:
         usual = SERIES if "orbit" in problem.scene.forces else MAP_FALLBACK
     scene = problem.scene
-    others = scene.has_further or "function" in scene.forces
+    others = bool(scene.further()) or "function" in scene.forces
     if others or not _are_damped_strongly(problem).any():
         return usual, why
     forces = problem.forces()

@@ -80,20 +80,18 @@ def test_a_function_does_not_judge_what_a_coarse_table_leaves_open() -> None:
     scene = on(table_of(ELLIPSE, (0.0, 8.0), 33))
     run = rigid.simulate(scene, OMEGA, ATTITUDE, t=[8.0])
     margin = 0.1 * float(run.error) * np.linalg.norm(run.omega)
-    low, high = run.omega[-1, 0] - margin, run.omega[-1, 0] + margin
-    undecided = [
-        int(
-            rigid.stability_map(
-                scene,
-                axes={"omega1": OMEGA[:1]},
-                start=rigid.Start(omega=OMEGA, attitude=ATTITUDE),
-                stable=rigid.judged(lambda states, at=limit: states.omega[:, -1, 0] - at, t=[8.0]),
-                samples=1,
-            ).undecided.sum()
-        )
-        for limit in (low, high)
-    ]
-    assert sum(undecided) == 1
+    start = rigid.Start(omega=(0.3, 0.2, 0.5), attitude=(0.8, 0.1, 0.5, -0.3))
+
+    def undecided(limit: float) -> int:
+        def above(states: Any) -> Any:
+            return states.omega[:, -1, 0] - limit
+
+        stable = rigid.judged(above, t=[8.0])
+        axes = {"omega1": OMEGA[:1]}
+        found = rigid.stability_map(scene, axes=axes, start=start, stable=stable, samples=1)
+        return int(found.undecided.sum())
+
+    assert sum(undecided(run.omega[-1, 0] + side) for side in (-margin, margin)) == 1
 
 
 def test_random_tables_err_as_stated() -> None:
