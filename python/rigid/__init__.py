@@ -17,6 +17,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import exact as exact
+from ._checks.exported import exported as _exported
 from ._checks.moments import MomentsWarning as MomentsWarning
 from ._checks.progress import Interrupted as Interrupted
 from ._checks.progress import Progress as Progress
@@ -148,9 +149,7 @@ _LATER = {
     **dict.fromkeys(("Store", "diff", "merge", "open_store"), ".store.store"),
     **dict.fromkeys(("Validation", "validation"), ".literature.validation"),
 }
-# What was imported as itself, and what is imported when it is first named.
-_NOW = {name for name, one in globals().items() if "rigid." in getattr(one, "__module__", "")}
-__all__ = sorted({"__version__", "exact", *_NOW, *_MODULES, *_LATER})
+__all__ = sorted({"__version__", "exact", *_exported(globals()), *_MODULES, *_LATER})
 
 if not TYPE_CHECKING:
 
