@@ -32,7 +32,6 @@ __all__ = [
     "agreed_classes",
     "available_threads",
     "build_info",
-    "change_places",
     "check_method",
     "check_moments",
     "chosen_methods",
@@ -52,6 +51,7 @@ __all__ = [
     "first_tolerance",
     "flip_times",
     "free_quantities",
+    "further_forces",
     "generic_deviations",
     "growth",
     "in_standard_floats",
@@ -270,7 +270,7 @@ class Motion:
         attitude_before: NDArray[np.float64],
     ) -> None: ...
 
-def change_places() -> tuple[dict[str, int], int]: ...
+def further_forces() -> tuple[dict[str, tuple[str, int, int]], int]: ...
 def spline(
     knots: NDArray[np.float64], samples: NDArray[np.float64], times: NDArray[np.float64]
 ) -> NDArray[np.float64]: ...

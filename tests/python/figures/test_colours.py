@@ -24,7 +24,7 @@ from matplotlib.text import Text
 import rigid
 from rigid.drawing import colours
 from rigid.drawing.colours import DARK_STYLE, on_ground
-from rigid.reports.plot import FAMILIES, OTHERS
+from rigid.reports.plot import COLOURS, OTHERS
 
 SOURCES = Path(rigid.__file__).parent
 
@@ -76,7 +76,7 @@ def test_contrast_on_light_and_on_dark_ground(least: float, inks: list[str]) -> 
 
 def test_every_ink_and_every_family_has_a_colour_of_the_table() -> None:
     inks = [one.colour for one in vars(colours).values() if isinstance(one, colours.Ink)]
-    for colour in [*inks, *(family.colour for family in FAMILIES), OTHERS]:
+    for colour in [*inks, *COLOURS.values(), OTHERS]:
         assert colour in TEXTS
     assert set(colours.CLASSES.values()) <= set(LINES)
 

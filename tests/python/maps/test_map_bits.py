@@ -14,7 +14,7 @@ import rigid
 from map_kinds import KINDS
 from physics import angular_momentum, energy, gamma_of
 from processes import PATIENCE, python_process
-from rigid.model.criteria import NoFlip, TiltBelow
+from rigid.model.bounds import NoFlip, TiltBelow
 from rigid.model.scene import scene_from_dict
 from rigid.solve.simulate import replayed
 from small_maps import Floats, assert_same_map, saved_bytes, small_map

@@ -12,7 +12,7 @@ import rigid
 from physics import Floats
 from refusals import refuses
 from rigid.model.scene import Scene
-from rigid.reports.plot import family_of
+from rigid.reports.plot import OTHERS, colour_of
 
 BOX = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
@@ -93,7 +93,7 @@ def test_an_own_scheme_has_its_order_and_its_errors(scene: Scene) -> None:
     assert re.search(r"^heun +- +2\.\d", str(report), re.MULTILINE)
     drawn = [line.get_label() for line in report.plot().get_lines()]
     assert {"heun", "rk4"} <= set(drawn)
-    assert family_of("heun").members == ("heun",)
+    assert colour_of("heun") == OTHERS
     again = rigid.Report.from_json(report.to_json())
     assert again == report
     assert "schemes" not in json.loads(report.to_json())["spec"]

@@ -35,7 +35,7 @@ from rigid.reports import sweep as sweeping
 from rigid.reports.compute import run_report
 from rigid.reports.data import AT_UNCERTAINTY, REFERENCE, USELESS
 from rigid.reports.ensemble import ensemble_of, probe, same_steps
-from rigid.reports.plot import FAMILIES, OTHERS, family_of, spread
+from rigid.reports.plot import COLOURS, OTHERS, colour_of, spread
 from rigid.reports.reference import Horizon, Reference, find_horizons, find_reference
 from rigid.reports.spec import ReportSpec, make_spec
 from rigid.reports.sweep import Measured, Sweep, sweep_methods, time_sweeps
@@ -927,7 +927,7 @@ def test_the_picture_names_each_method_at_the_end_of_its_line(box: rigid.Report)
     lines = {line.get_label(): line for line in ax.lines}
     for method in many.methods:
         colours = {names[method].get_color(), lines[method].get_color()}
-        assert colours == {family_of(method).colour}
+        assert colours == {colour_of(method)}
 
 
 def test_names_are_spread_by_the_least_squares() -> None:
@@ -968,13 +968,13 @@ def contrast_on_white(colour: str) -> float:
 
 def test_every_method_has_a_family_whose_colour_can_be_read() -> None:
     assert contrast_on_white("#e69f00") == pytest.approx(2.25, abs=0.01)
-    members = [method for family in FAMILIES for method in family.members]
-    assert sorted(members) == sorted({"exact", *(method.name for method in rigid.methods())})
-    assert len({family.colour for family in FAMILIES}) == len(FAMILIES)
-    assert OTHERS not in {family.colour for family in FAMILIES}
-    assert all(
-        contrast_on_white(colour) >= 4.5 for colour in (*(one.colour for one in FAMILIES), OTHERS)
-    )
+    assert COLOURS.keys() == {"exact", *(method.family for method in rigid.methods())}
+    assert colour_of("exact") == COLOURS["exact"]
+    assert all(colour_of(one.name) == COLOURS[one.family] for one in rigid.methods())
+    assert colour_of("splitting of mine") == OTHERS
+    every = [*COLOURS.values(), OTHERS]
+    assert len(set(every)) == len(every)
+    assert all(contrast_on_white(colour) >= 4.5 for colour in every)
 
 
 def header_of(text: str) -> dict[str, str]:
