@@ -13,11 +13,11 @@ from .solve.request import Request
 BODIES_OF_A_FUNCTION: int
 BODIES_OF_A_ROW: int
 CHECKPOINT_PARTS: Sequence[int]
+CROSSING_TOLERANCE: float
 DRIFT_LIMIT: float
 ELSEWHERE: float
 FEWEST_STEPS: float
 FIXED_POINT: float
-LEAST_STATE: float
 LEAST_UNDER_FUNCTION: float
 MOST_STATES: int
 ROUNDING: float
@@ -97,13 +97,12 @@ def section(
     bodies: Bodies,
     *,
     method: str,
-    kinds: Sequence[tuple[bool, int, bool]],
-    pointing: NDArray[np.float64],
-    functions: Sequence[tuple[int, bool]],
+    kinds: Sequence[tuple[bool, int, bool, NDArray[np.float64], bool, tuple[int, bool]]],
     surfaces: NDArray[np.float64],
     ends: NDArray[np.float64],
     count: int,
     closed: bool,
+    check: bool,
     tolerance: float,
     max_steps: int,
     threads: int,
@@ -237,7 +236,6 @@ class Forces:
     def calls(self) -> bool: ...
     @property
     def states(self) -> int: ...
-    def places(self, times: NDArray[np.float64]) -> NDArray[np.float64]: ...
     def kinds(self, bodies: int) -> NDArray[np.uint64]: ...
     def damping_rates(self, moments: NDArray[np.float64]) -> NDArray[np.float64]: ...
 

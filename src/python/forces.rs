@@ -180,19 +180,6 @@ impl PyForces {
         self.0.of(0).function.is_some()
     }
 
-    /// What functions are told of the places of bodies in space at times, (n, m): (n, m, 3).
-    fn places<'py>(&self, py: Python<'py>, times: Aligned2<'py, f64>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let _standard = FloatEnvironment::standard();
-        let times = times.as_array();
-        let [bodies, count] = [times.nrows(), times.ncols()];
-        if self.0.bodies() > 1 {
-            same_length("t", self.0.bodies(), bodies)?;
-        }
-        let places = times.indexed_iter().map(|((body, _), &time)| self.0.of(body).place(time));
-        let places = memory::collected("places", times.len(), places)?.into_flattened();
-        places.into_pyarray(py).reshape([bodies, count, 3])
-    }
-
     /// How many states of its own a function has for each body.
     #[getter]
     fn states(&self) -> usize {

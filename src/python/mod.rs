@@ -95,9 +95,6 @@ mod _core {
     /// Most states of a body whose rates of change a function returns.
     #[pymodule_export]
     const MOST_STATES: usize = crate::forces::MOST_STATES;
-    /// Least size to which an error of such a state is relative.
-    #[pymodule_export]
-    const LEAST_STATE: f64 = crate::forces::SMALL_STATE[1];
 
     /// Error of a closed form for each radian that a body turns.
     #[pymodule_export]
@@ -108,6 +105,10 @@ mod _core {
     const SERIES_TOLERANCE: f64 = crate::accuracy::SERIES_TOLERANCE;
     #[pymodule_export]
     const LEAST_UNDER_FUNCTION: f64 = crate::accuracy::LEAST_UNDER_FUNCTION;
+
+    /// The tolerance at which rounding alone is left in the times of crossings.
+    #[pymodule_export]
+    const CROSSING_TOLERANCE: f64 = crate::accuracy::CROSSING_TOLERANCE;
 
     /// Factor by which the longest step under a function is shorter in a second run by a tolerance.
     #[pymodule_export]

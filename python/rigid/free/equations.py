@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -204,8 +203,10 @@ def invariants(
     kinetic = 0.5 * (momentum * rates).sum(axis=-1)
     if scene.rotor is not None and isinstance(motion, Run):
         momentum = momentum + scene.momentum_of_rotor(motion.t)
+    elif isinstance(scene.rotor, RotorTable):
+        raise ValueError(f"rotor = {scene.rotor!r}: is a table, which only invariants(run) knows")
     elif scene.rotor is not None:
-        momentum = momentum + _constant(scene.rotor)
+        momentum = momentum + scene.rotor
     unit, power = of_size_one(momentum)
     potential, p_psi = np.zeros_like(kinetic), None
     if "gamma" in scene.directions:
@@ -329,9 +330,13 @@ def power_balance(
             acting = acting + _body_torque(in_space, quaternions, "space")
     if scene.damping is not None:
         acting = acting - rates @ np.array(scene.damping)
+    rotor = scene.momentum_of_rotor(times)
+    if isinstance(scene.rotor, RotorTable):
+        change = _time_derivative(np.moveaxis(rotor, -1, 0), times)
+        acting = acting - np.moveaxis(change, 0, -1)
     for force, value in scene.further():
-        if force.name != "orbit":
-            acting = acting + force.torque(_at_times(_constant(force.numbers(value))), rates)
+        if force.name not in ("orbit", "rotor"):  # a constant rotor has no power
+            acting = acting + force.torque(_at_times(force.numbers(value)), rates)
     if "function" in scene.forces:
         raise ValueError("torque: the torque of a function is not known from the states")
     if "gamma" in scene.directions:
@@ -342,7 +347,7 @@ def power_balance(
         added = _body_torque(torque, quaternions, frame)
         acting = acting + (_turned(motion, added, back=True) if frame == "body" else added)
     acting = acting + _gravity_gradient(scene, quaternions, times)
-    power = (acting * rates).sum(axis=-1) + _sink_power(scene, rates, acting)
+    power = (acting * rates).sum(axis=-1) + _sink_power(scene, rates, acting, rotor)
     rate = _time_derivative(kinetic, times)
     return PowerBalance(power=power, rate=rate, residual=rate - power)
 
@@ -362,14 +367,12 @@ def _gravity_gradient(scene: Scene, quaternions: Floats | None, times: Floats) -
     return torque
 
 
-def _sink_power(scene: Scene, rates: Floats, acting: Floats) -> Floats | float:
+def _sink_power(scene: Scene, rates: Floats, acting: Floats, rotor: Floats) -> Floats | float:
     """The power of an energy sink, ``omega·(L × I⁻¹ P omega')``."""
     if scene.dissipation is None:
         return 0.0
     moments = _at_times(scene.body.moments)
-    momentum = moments * rates
-    if scene.rotor is not None:
-        momentum = momentum + _at_times(_constant(scene.rotor))
+    momentum = moments * rates + rotor
     change = (np.cross(momentum, rates) + acting) / moments
     turn = _at_times(scene.dissipation.coefficient) * change / moments
     power: Floats = (rates * np.cross(momentum, turn)).sum(axis=-1)
@@ -396,13 +399,6 @@ def _time_derivative(values: Floats, times: Floats) -> Floats:
     for index in np.ndindex(values.shape[:-1]):
         derivative[index] = np.gradient(values[index], own[index], edge_order=2)
     return derivative
-
-
-def _constant(numbers: Any) -> Any:
-    """The numbers of a force, if they are not a table."""
-    if isinstance(numbers, RotorTable):
-        raise ValueError(f"rotor = {numbers!r}: is a table, which only invariants(run) knows")
-    return numbers
 
 
 def _at_times(vectors: ArrayLike) -> Floats:

@@ -106,7 +106,7 @@ def content_of_numbers(data: MapData, samples: range, pixel: int | None = None) 
     ``columns`` tells which of the numbers of the pixel are replaced.
     """
     spec = data.spec
-    if spec.is_called or not spec.vary or spec.grid.scene.has_table:
+    if spec.is_called or not spec.vary or spec.grid.scene.tables:
         return {}
     pixels = np.arange(data.status.size) if pixel is None else np.array([pixel])
     flat = (pixels[:, np.newaxis] * spec.samples + np.array(samples)).ravel()
@@ -340,7 +340,7 @@ def _curves(data: MapData, whole: MapSpec) -> list[dict[str, Any]]:
 
 def _motion(spec: MapSpec) -> dict[str, Any] | None:
     """The numbers of the equations of motion of each pixel; None if the page cannot integrate."""
-    if spec.is_called or spec.grid.scene.has_table:
+    if spec.is_called or spec.grid.scene.tables:
         return None
     return {"numbers": packed(numbers_of_motion(spec.grid), np.float64)}
 

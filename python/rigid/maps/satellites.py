@@ -172,7 +172,7 @@ def on_orbit(spec: MapSpec) -> Predicted | None:
     noise = start.noise
     if (
         orbit is None
-        or scene.has_table
+        or scene.tables
         or not isinstance(stable, TiltBelow)
         or {*spec.forces} != {"orbit"}
         or orbit.shape

@@ -289,8 +289,8 @@ def simulate(
     )
     is_brief = len(bodies) * times.shape[-1] < AT_ONCE and problem.is_plain
     progress = False if is_brief and progress is None else progress
-    # One more run, and its second run, find the events.
-    with Listening(progress, 1 if watched is None else 3 if check else 2):
+    # One more run finds the events.
+    with Listening(progress, 1 if watched is None else 2):
         made = solve(problem, check=check, watched=watched, parameters=parameters, target=target)
     columns = made.states
     if "energy" in derived:
