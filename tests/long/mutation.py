@@ -120,7 +120,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "_energy_loss.py": ("maps/test_satellite_maps.py", "free/test_lasting_rotation.py"),
     "_files.py": ("test_files.py",),
     "_libration.py": ("free/test_free_rotation.py", "solve/test_satellites.py"),
-    "_timing.py": ("solve/test_cost_of_a_plan.py",),
+    "_timing.py": ("solve/test_plan.py",),
     "cli/": ("cli",),
     "cli/toml_report.py": ("reports/test_report.py",),
     "cli/tutorials.py": ("contract/test_tutorials.py",),
@@ -310,7 +310,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "solve/test_satellites.py",
     ),
     "model/frame.py": ("solve/test_axes_of_a_drawing.py",),
-    "model/function.py": ("solve/test_callbacks.py", "solve/test_levitron.py"),
+    "model/function.py": ("solve/test_callbacks.py", "solve/test_own_states.py"),
     "model/gravity.py": ("solve/test_engineers_words.py", "solve/test_satellites.py"),
     "model/judged.py": ("maps/test_judged.py", "store/test_stored_functions.py"),
     "model/measures.py": (
@@ -376,7 +376,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "solve/test_callbacks.py",
     ),
     "particles/": ("particles", "test_springs.py"),
-    "planning.py": ("solve/test_plan.py", "solve/test_cost_of_a_plan.py"),
+    "planning.py": ("solve/test_plan.py",),
     "reports/": (
         "contract/test_constants_of_docstrings.py",
         "reports/test_report.py",
@@ -397,7 +397,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "solve/test_times.py",
     ),
     "solve/attitude_ephemeris.py": (
-        "solve/test_attitude_ephemeris.py",
+        "solve/test_attitude.py",
         "solve/test_runs_kept.py",
     ),
     "solve/chunks.py": (
@@ -431,7 +431,6 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "solve/motion.py": ("solve/test_motion.py",),
     "solve/plan.py": (
         "solve/test_plan.py",
-        "solve/test_cost_of_a_plan.py",
         "maps/test_plan_of_a_criterion.py",
         "solve/test_runs_kept.py",
         "solve/test_stated_errors.py",

@@ -365,9 +365,6 @@ def test_random_tops_stand_hang_and_lie_on_every_axis() -> None:
 
 # Elliptic integrals and functions, against printed tables and identities
 
-
-# Elliptic functions
-
 POSITIVE = 10.0 ** np.random.default_rng(1).uniform(-2.0, 2.0, (4, 200))
 
 

@@ -10,17 +10,11 @@ from scipy.spatial.transform import Rotation
 
 import rigid
 from free_motions import OBLATE, SPUN, moments_at_random, path
-from physics import ROUNDOFF, Floats, gamma_of, present, rotation_matrix, tilted
+from physics import ROUNDOFF, gamma_of, present, rotation_matrix, slope, tilted
 from refusals import refuses
 from rigid import exact, free, rotations, top
 
 RANDOM = np.random.default_rng(38)
-
-
-def slope(values: Floats, step: float) -> Floats:
-    """Derivative at the middle of five equidistant values; its error is step⁴/30 of the fifth."""
-    change: Floats = (values[0] - 8 * values[1] + 8 * values[3] - values[4]) / (12 * step)
-    return change
 
 
 # Euler's equations

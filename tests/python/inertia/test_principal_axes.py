@@ -129,9 +129,6 @@ def test_no_cloud_breaks_the_triangle_inequality() -> None:
 # Symmetries of clouds of mass points, and what they say of the tensor of inertia
 
 
-# Symmetries
-
-
 def polygon(order: int) -> Floats:
     """Two rings of so many points each, twisted against each other: only its axis is left."""
     turn = 2.0 * pi * np.arange(order) / order
