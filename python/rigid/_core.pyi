@@ -14,11 +14,11 @@ __all__ = [
     "BODIES_OF_A_FUNCTION",
     "BODIES_OF_A_ROW",
     "CHECKPOINT_PARTS",
+    "CROSSING_TOLERANCE",
     "DRIFT_LIMIT",
     "ELSEWHERE",
     "FEWEST_STEPS",
     "FIXED_POINT",
-    "LEAST_STATE",
     "LEAST_UNDER_FUNCTION",
     "MOST_STATES",
     "ROUNDING",
@@ -32,7 +32,6 @@ __all__ = [
     "agreed_classes",
     "available_threads",
     "build_info",
-    "change_places",
     "check_method",
     "check_moments",
     "chosen_methods",
@@ -52,6 +51,7 @@ __all__ = [
     "first_tolerance",
     "flip_times",
     "free_quantities",
+    "further_forces",
     "generic_deviations",
     "growth",
     "in_standard_floats",
@@ -85,11 +85,11 @@ __all__ = [
 BODIES_OF_A_FUNCTION: int
 BODIES_OF_A_ROW: int
 CHECKPOINT_PARTS: Sequence[int]
+CROSSING_TOLERANCE: float
 DRIFT_LIMIT: float
 ELSEWHERE: float
 FEWEST_STEPS: float
 FIXED_POINT: float
-LEAST_STATE: float
 LEAST_UNDER_FUNCTION: float
 MOST_STATES: int
 ROUNDING: float
@@ -169,13 +169,12 @@ def section(
     bodies: Bodies,
     *,
     method: str,
-    kinds: Sequence[tuple[bool, int, bool]],
-    pointing: NDArray[np.float64],
-    functions: Sequence[tuple[int, bool]],
+    kinds: Sequence[tuple[bool, int, bool, NDArray[np.float64], bool, tuple[int, bool]]],
     surfaces: NDArray[np.float64],
     ends: NDArray[np.float64],
     count: int,
     closed: bool,
+    check: bool,
     tolerance: float,
     max_steps: int,
     threads: int,
@@ -272,7 +271,7 @@ class Motion:
         attitude_before: NDArray[np.float64],
     ) -> None: ...
 
-def change_places() -> tuple[dict[str, int], int]: ...
+def further_forces() -> tuple[dict[str, tuple[str, int, int]], int]: ...
 def spline(
     knots: NDArray[np.float64], samples: NDArray[np.float64], times: NDArray[np.float64]
 ) -> NDArray[np.float64]: ...
@@ -309,7 +308,6 @@ class Forces:
     def calls(self) -> bool: ...
     @property
     def states(self) -> int: ...
-    def places(self, times: NDArray[np.float64]) -> NDArray[np.float64]: ...
     def kinds(self, bodies: int) -> NDArray[np.uint64]: ...
     def damping_rates(self, moments: NDArray[np.float64]) -> NDArray[np.float64]: ...
 

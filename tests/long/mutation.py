@@ -151,6 +151,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "solve/test_satellites.py",
     ),
     "inertia/": ("inertia", "solids/test_solids.py"),
+    "inertia/urdf.py": ("solids/test_mesh_files.py",),
     "literature/": ("literature",),
     "maps/": (
         "maps/test_map_statistics.py",
@@ -267,7 +268,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "contract/test_units.py",
         "inertia/test_inertia.py",
         "free/test_free_rotation.py",
-        "solve/test_thrown_box.py",
+        "solve/test_engineers_words.py",
         "solve/test_rods.py",
         "free/test_lasting_rotation.py",
     ),
@@ -394,7 +395,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
     ),
     "solve/chunks.py": (
         "solve/test_targets.py",
-        "solve/test_appended_parts.py",
+        "solve/test_tidy_tables.py",
         "solve/test_engineers_words.py",
     ),
     "solve/closed_form.py": (
@@ -415,7 +416,6 @@ PYTHON: dict[str, tuple[str, ...]] = {
     ),
     "solve/frequencies.py": ("solve/test_frequencies.py",),
     "solve/growth.py": (
-        "solve/test_lyapunov_time.py",
         "solve/test_lyapunov.py",
         "solve/test_orders.py",
         "solve/test_tidy_tables.py",

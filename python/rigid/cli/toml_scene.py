@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import finite_float, vector
 from ..model.body import Body
-from ..model.criteria import CRITERIA
-from ..model.criterion import Criterion
+from ..model.criterion import CRITERIA, Criterion
 from ..model.forces import FORCES
 from ..model.mixture import Mixture, mixture
 from ..model.noise import Noise, direction, normal, uniform, uniform_attitude, von_mises_fisher

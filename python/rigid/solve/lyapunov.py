@@ -345,10 +345,10 @@ def _zeros(scene: Scene, bodies: Bodies, of: str) -> NDArray[np.intp]:
     """Number of exponents of each body that are zero by theory."""
     heavy = np.broadcast_to(np.any(bodies.weight != 0.0, axis=1), (len(bodies),))
     acting = set(scene.forces) - {"rotor"}
-    if not acting and not scene.has_table:
+    if not acting and not scene.tables:
         # Flow, energy, turns about the vertical and L·gamma; of a free body all of space, and L.
         zeros = np.where(heavy, 4, 6)
-    elif acting == {"orbit"} and not scene.has_table:
+    elif acting == {"orbit"} and not scene.tables:
         # On a circle flow and Jacobi's integral, in the frame of the orbit.
         circular = np.asarray(scene.further_numbers()["orbit"])[..., 1] == 0.0
         zeros = np.where(np.broadcast_to(circular, bodies.shape or 1).ravel(), 2, 0)

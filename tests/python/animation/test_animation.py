@@ -467,6 +467,30 @@ def test_under_a_torque_the_angular_momentum_moves_along() -> None:
             film_of(run, view=view)
 
 
+ROD = rigid.Body((1.0, 1.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("scene", "omega"),
+    [
+        (rigid.FreeBody(ASYMMETRIC.body, damping=0.1), (0.0, 0.0, 0.0)),
+        (rigid.FreeBody(ROD), (0.0, 1.0, 0.0)),
+        (rigid.HeavyTop(ROD, mgl=1.0), (0.0, 1.0, 0.0)),
+    ],
+    ids=["at rest", "rod", "pendulum"],
+)
+def test_a_body_without_rates_or_without_width_has_a_film(scene: Any, omega: Any) -> None:
+    film = film_of(run_of(scene, omega))
+    for one in film.parts:
+        assert np.isfinite(one.points).all()
+    if scene.body is ROD and film.view == "box":  # L of a rod is along its rate
+        arrow, rate = (part(film, "arrow", label=name).points[0] for name in ("L", "ω"))
+        np.testing.assert_allclose(arrow, [0.0, 1.5, 0.0])
+        np.testing.assert_allclose(rate, [0.0, 1.2, 0.0])
+        with pytest.raises(ValueError, match=r"^moments = \(1, 1, 0\): a rod has no moment"):
+            film_of(run_of(scene, omega), view="poinsot")
+
+
 def test_one_body_of_many() -> None:
     many = run_of(BOX, [[1.0, 0.1, 0.2], [0.1, 1.0, 0.2]])
     np.testing.assert_array_equal(film_of(many, body=1).attitude, many.attitude[1])

@@ -30,7 +30,7 @@ from rigid.cli.toml_map import read_spec
 from rigid.cli.toml_table import names_of
 from rigid.drawing import colours
 from rigid.drawing.colours import DARK_STYLE, on_ground
-from rigid.reports.plot import FAMILIES, OTHERS
+from rigid.reports.plot import COLOURS, OTHERS
 from rigid.store.call import run_map
 
 SOURCES = Path(rigid.__file__).parent
@@ -83,7 +83,7 @@ def test_contrast_on_light_and_on_dark_ground(least: float, inks: list[str]) -> 
 
 def test_every_ink_and_every_family_has_a_colour_of_the_table() -> None:
     inks = [one.colour for one in vars(colours).values() if isinstance(one, colours.Ink)]
-    families = [*(family.colour for family in FAMILIES), OTHERS]
+    families = [*COLOURS.values(), OTHERS]
     assert len(set(families)) == len(families)
     for colour in [*inks, *families]:
         assert colour in TEXTS

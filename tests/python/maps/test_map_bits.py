@@ -19,7 +19,7 @@ from rigid import _core
 from rigid.maps.data import COLUMNS
 from rigid.maps.grid import nominal_starts
 from rigid.maps.job import to_core
-from rigid.model.criteria import NoFlip, TiltBelow
+from rigid.model.bounds import NoFlip, TiltBelow
 from rigid.model.scene import scene_from_dict
 from rigid.solve.simulate import replayed
 from small_maps import Floats, assert_same_map, saved_bytes, small_map, spec_of

@@ -35,7 +35,7 @@ from rigid.reports import sweep as sweeping
 from rigid.reports.compute import run_report
 from rigid.reports.data import AT_UNCERTAINTY, REFERENCE, USELESS
 from rigid.reports.ensemble import ensemble_of, probe, same_steps
-from rigid.reports.plot import family_of, spread
+from rigid.reports.plot import COLOURS, OTHERS, colour_of, spread
 from rigid.reports.reference import Horizon, Reference, find_horizons, find_reference
 from rigid.reports.spec import ReportSpec, make_spec
 from rigid.reports.sweep import Measured, Sweep, sweep_methods, time_sweeps
@@ -922,7 +922,7 @@ def test_the_picture_names_each_method_at_the_end_of_its_line(box: rigid.Report)
     lines = {line.get_label(): line for line in ax.lines}
     for method in many.methods:
         colours = {names[method].get_color(), lines[method].get_color()}
-        assert colours == {family_of(method).colour}
+        assert colours == {colour_of(method)}
 
 
 def test_names_are_spread_by_the_least_squares() -> None:
@@ -952,6 +952,13 @@ def test_a_slow_family_does_not_stretch_the_axis(box: rigid.Report) -> None:
     with_it = dataclasses.replace(box, rows=(*box.rows, *slow))
     slowest = max(row.nanoseconds for row in box.rows)
     assert with_it.plot().get_xlim()[1] <= 3.0 * slowest
+
+
+def test_every_method_has_the_colour_of_its_family() -> None:
+    assert COLOURS.keys() == {"exact", *(method.family for method in rigid.methods())}
+    assert colour_of("exact") == COLOURS["exact"]
+    assert all(colour_of(one.name) == COLOURS[one.family] for one in rigid.methods())
+    assert colour_of("splitting of mine") == OTHERS
 
 
 def header_of(text: str) -> dict[str, str]:

@@ -19,7 +19,7 @@ from rigid.cli import main
 from rigid.model.scene import Scene
 from rigid.reports import compute, sweep
 from rigid.reports.ensemble import ensemble_of
-from rigid.reports.plot import family_of
+from rigid.reports.plot import OTHERS, colour_of
 from rigid.reports.reference import Horizon, Reference
 from rigid.reports.spec import REVOLUTIONS, make_spec
 from rigid.reports.table import in_short
@@ -549,7 +549,7 @@ def test_an_own_scheme_has_its_order_and_its_errors(scene: Scene) -> None:
     assert re.search(r"^heun +- +2\.\d", str(report), re.MULTILINE)
     drawn = [line.get_label() for line in report.plot().get_lines()]
     assert {"heun", "rk4"} <= set(drawn)
-    assert family_of("heun").members == ("heun",)
+    assert colour_of("heun") == OTHERS
     again = rigid.Report.from_json(report.to_json())
     assert again == report
     assert "schemes" not in json.loads(report.to_json())["spec"]

@@ -1,9 +1,12 @@
 """Tops from mass and centre of mass, bodies as scenes: what an engineer has at hand."""
 
+from itertools import permutations
+
 import numpy as np
 import pytest
 
 import rigid
+from physics import ROUNDOFF
 from refusals import refuses
 from rigid import solids
 
@@ -16,6 +19,20 @@ def tensor_about(masses: np.ndarray, points: np.ndarray, origin: np.ndarray) -> 
     for mass, point in zip(masses, points - origin, strict=True):
         total += mass * (point @ point * np.eye(3) - np.outer(point, point))
     return total
+
+
+def test_sides_belong_to_the_axes() -> None:
+    for sides in permutations((0.25, 0.08, 0.01)):
+        body = rigid.Body.box(*sides, mass=0.3)
+        a, b, c = sides
+        expected = [0.3 / 12 * (x * x + y * y) for x, y in ((b, c), (a, c), (a, b))]
+        assert body.moments == pytest.approx(expected, rel=5 * ROUNDOFF)
+        assert body.sides == sides
+        assert body.mass == 0.3
+    for axis in range(3):
+        square = np.roll((1.0, 2.0, 2.0), axis)
+        assert rigid.Body.box(*square).symmetry_axis == axis + 1
+    assert rigid.Body.box(1.0, 2.0, 3.0).symmetry_axis is None
 
 
 def test_a_body_is_the_scene_of_a_free_body() -> None:

@@ -415,6 +415,14 @@ test_what_a_table_cannot = refuses(
             lambda: rigid.simulate(on(TABLE), OMEGA, t=[9.0]),
             "t = 9: the table of the orbit does not reach this time",
         ),
+        (
+            lambda: rigid.plan(on(TABLE), omega=OMEGA, t_end=9.0),
+            "t = 9: the table of the orbit does not reach this time",
+        ),
+        (
+            lambda: rigid.plan(on(made(TABLE.t + 1.0, TABLE.position(TABLE.t)))),
+            "t = 0: the table of the orbit does not reach this time",
+        ),
         (lambda: TABLE.period, "OrbitTable.* has no rate"),
         (
             lambda: rigid.simulate(on(TABLE), OMEGA, t=[1.0], events=[rigid.crosses("roll", 0.1)]),

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-import sys
-from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,6 @@ from scipy.integrate import quad
 import rigid
 from printed_equations import gathers, with_states
 from refusals import refuses
-from rigid.model import compiling
 from rigid.rotations.apply import to_body, to_space
 
 BODY = rigid.Body((1.0, 1.5, 2.0))
@@ -27,18 +25,6 @@ LONG: Any = ctypes.CFUNCTYPE(None, ctypes.c_double, *[DOUBLES] * 7)
 SHORT: Any = ctypes.CFUNCTYPE(None, ctypes.c_double, *[DOUBLES] * 4)
 MOST = 0.15
 """Torque of a motor (N m) at which it saturates, smoothly."""
-
-
-@pytest.fixture(params=["called", "compiled"])
-def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
-    """With and without numba, if it is installed."""
-    if request.param == "called":
-        monkeypatch.setitem(sys.modules, "numba", None)
-    else:
-        pytest.importorskip("numba")
-    compiling._made.cache_clear()
-    yield str(request.param)
-    compiling._made.cache_clear()
 
 
 def simulate(*given: Any, **asked: Any) -> Any:
@@ -69,13 +55,17 @@ GAINS = (0.4, 1.2, 0.3)
 STARTS = (0.1, 0.0, -0.2, 0.0, 0.0, 0.0)
 
 
-def wheels_by_scipy(times: Any) -> Any:
+@cache
+def wheels_by_scipy() -> Any:
     def acting(t: float, omega: Any, q: Any, states: Any) -> Any:
         torque, rates = np.zeros(3), np.zeros(6)
         wheels(t, omega, q, GAINS, torque, states, rates)
         return torque, rates
 
-    return with_states(np.array(BODY.moments), acting, [OMEGA, TILTED, STARTS], times)
+    return with_states(np.array(BODY.moments), acting, [OMEGA, TILTED, STARTS], TIMES)
+
+
+TIMES = [0.0, 1.0, 10.0, 30.0]
 
 
 def scene(torque: Any = None, **acting: Any) -> rigid.FreeBody:
@@ -84,13 +74,10 @@ def scene(torque: Any = None, **acting: Any) -> rigid.FreeBody:
     )
 
 
-TIMES = [0.0, 1.0, 10.0, 30.0]
-
-
 @pytest.mark.parametrize("steps", [{"accuracy": 1e-10}, {"method": "rk4", "step": 2e-3}], ids=str)
 def test_wheels_that_saturate_and_a_filter_move_as_by_scipy(way: str, steps: Any) -> None:
     run = simulate(scene(), OMEGA, TILTED, states=STARTS, t=TIMES, **steps)
-    truth = wheels_by_scipy(TIMES)
+    truth = wheels_by_scipy()
     # SciPy errs by 1e-12; rk4 by the fourth power of its step, 1.6e-11, times the rates it damps.
     assert np.abs(run.omega - truth[:, :3]).max() < 1e-9
     assert np.abs(run.attitude - truth[:, 3:7]).max() < 1e-9
@@ -110,7 +97,7 @@ def test_a_function_of_ctypes_has_the_bits_of_one_of_python() -> None:
             rigid.Torque.call(LONG(_all_arguments), GAINS, states=6, fastest=None),
         )
     ]
-    truth = wheels_by_scipy(TIMES)
+    truth = wheels_by_scipy()
     assert np.abs(pair[0].states - truth[:, 7:]).max() < 1e-7
     assert np.array_equal(pair[0].states, pair[1].states)
 
@@ -242,6 +229,31 @@ def test_states_are_saved_exported_and_in_tables(tmp_path: Path) -> None:
 
 
 NORMAL, PERIAPSIS = np.array([2.0, 1.0, 2.0]) / 3.0, np.array([1.0, 2.0, -2.0]) / 3.0
+RATE, BEGIN = 0.5, -0.8
+
+
+@cache
+def gathered(e: float) -> Any:
+    """The integral of the place until each time, by Kepler's equation and quadrature."""
+    along, across = PERIAPSIS, np.cross(NORMAL, PERIAPSIS)
+
+    def place(t: float) -> Any:
+        mean = BEGIN + RATE * t
+        E = math.copysign(3.0, mean)  # right of the zero, where Newton's method begins
+        for _ in range(100):
+            E -= (
+                (E - e * math.sin(E) - mean) / (1.0 - e * math.cos(E))
+                if e < 1.0
+                else (e * math.sinh(E) - E - mean) / (e * math.cosh(E) - 1.0)
+            )
+        if e < 1.0:
+            return (math.cos(E) - e) * along + math.sqrt(1.0 - e * e) * math.sin(E) * across
+        return (e - math.cosh(E)) * along + math.sqrt(e * e - 1.0) * math.sinh(E) * across
+
+    return [
+        [quad(lambda s, i=i: place(s)[i], 0.0, t, epsabs=1e-13, epsrel=1e-13)[0] for i in range(3)]
+        for t in (2.0, 5.0)
+    ]
 
 
 @pytest.mark.parametrize("eccentricity", [0.0, 0.6, 1.5])
@@ -249,37 +261,11 @@ NORMAL, PERIAPSIS = np.array([2.0, 1.0, 2.0]) / 3.0, np.array([1.0, 2.0, -2.0]) 
 def test_a_function_is_told_the_place_on_the_orbit(
     way: str, eccentricity: float, steps: Any
 ) -> None:
-    rate, begin, e = 0.5, -0.8, eccentricity
-    orbit = rigid.Orbit(rate, e, begin, NORMAL, PERIAPSIS)
+    orbit = rigid.Orbit(RATE, eccentricity, BEGIN, NORMAL, PERIAPSIS)
     torque = rigid.Torque.call(gathers, states=3)
     run = simulate(scene(torque, orbit=orbit), OMEGA, t=[2.0, 5.0], **steps)
-
-    def anomaly(mean: float) -> float:
-        """Kepler's equation, by Newton's method from a start to the right of the zero."""
-        E = math.copysign(3.0, mean)
-        for _ in range(100):
-            E -= (
-                (E - e * math.sin(E) - mean) / (1.0 - e * math.cos(E))
-                if e < 1.0
-                else (e * math.sinh(E) - E - mean) / (e * math.cosh(E) - 1.0)
-            )
-        return E
-
-    along, across = PERIAPSIS, np.cross(NORMAL, PERIAPSIS)
-
-    def place(t: float) -> Any:
-        E = anomaly(begin + rate * t)
-        if e < 1.0:
-            return (math.cos(E) - e) * along + math.sqrt(1.0 - e * e) * math.sin(E) * across
-        return (e - math.cosh(E)) * along + math.sqrt(e * e - 1.0) * math.sinh(E) * across
-
-    for k, t in enumerate(run.t):
-        truth = [
-            quad(lambda s, i=i: place(s)[i], 0.0, t, epsabs=1e-13, epsrel=1e-13)[0]
-            for i in range(3)
-        ]
-        # rk4 errs by 1e-3 of the fourth power of its step, 1.6e-11.
-        assert np.abs(run.states[k] - truth).max() < 1e-10
+    # rk4 errs by 1e-3 of the fourth power of its step, 1.6e-11.
+    assert np.abs(run.states - gathered(eccentricity)).max() < 1e-10
 
 
 def test_a_torque_by_the_place_alone_needs_no_states(way: str) -> None:
