@@ -48,7 +48,6 @@ def run(what: str, method: str, moments: tuple[float, float, float]) -> Moved:
             max_steps=10**9,
             threads=1,
             deviations=deviations,
-            scale=np.ones(BODIES),
             of_attitude=False,
             times=np.array([steps * step]),
         )

@@ -86,7 +86,6 @@ def growth(
     *,
     method: str,
     deviations: NDArray[np.float64],
-    scale: NDArray[np.float64],
     of_attitude: bool,
     times: NDArray[np.float64],
     step: NDArray[np.float64],

@@ -22,7 +22,7 @@ const SAFETY_OF_FINER: f64 = 2.0;
 const BETWEEN: f64 = 64.0;
 
 /// Bodies judged between two questions whether to stop.
-const BETWEEN_QUESTIONS: usize = 64;
+pub const BETWEEN_QUESTIONS: usize = 64;
 
 /// States of the bodies of a batch: those of all, or the rows of its bodies.
 #[derive(Clone, Copy)]

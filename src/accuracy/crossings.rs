@@ -1,7 +1,7 @@
 //! The errors of the times at which bodies cross surfaces, from a second run by a method of another order, or from the error
 //! of a closed form.
 
-use super::comparison::SAFETY;
+use super::comparison::{BETWEEN_QUESTIONS, SAFETY};
 use super::second_run::{ELSEWHERE, TIGHTER};
 use crate::call::Call;
 use crate::error::Error;
@@ -47,6 +47,9 @@ pub fn crossings(
     }
     if check || asked.closed {
         for (index, own) in all.iter_mut().enumerate() {
+            if index % BETWEEN_QUESTIONS == 0 && call.stop.is_wanted() {
+                return Err(Error::Stopped);
+            }
             let surfaces = &asked.surfaces[index * asked.kinds.len()..];
             judge(own, (request, index), (asked, surfaces), runs == 2, call.isa);
         }
@@ -91,7 +94,7 @@ fn judge(
         // There may be no bound.
         rate = own.points.iter().map(|point| length(&point.omega)).fold(rate, f64::max);
     }
-    let mut grown = [0.0; MOST_KINDS + 1];
+    let mut grown = [0.0; MOST_KINDS];
     own.lost_from = f64::INFINITY;
     for point in &mut own.points {
         let index = point.kind as usize;
@@ -111,11 +114,9 @@ fn judge(
             let fastest = if body.weight == [0.0; 3] { 0.0 } else { length(&point.omega) };
             error_of_closed_form(isa, body, forces, [0.0, point.time], fastest)[0] * scale
         } else {
-            // Errors grow along a motion; where two runs agree by chance, those before still count. The scales of functions
-            // differ.
-            let grown = &mut grown[if calls { index + 1 } else { 0 }];
-            *grown = larger(*grown, point.off.abs());
-            SAFETY * *grown
+            // Errors grow along a motion; where two runs agree by chance, those before still count.
+            grown[index] = larger(grown[index], point.off.abs());
+            SAFETY * grown[index]
         };
         let rounding = ROUNDINGS * f64::EPSILON * (scale + surface.value.abs());
         point.error = (off + rounding) / slope + (point.time.next_up() - point.time);

@@ -50,8 +50,8 @@ pub fn section<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let _standard = FloatEnvironment::standard();
     let (scene, method, isa) = (bodies.scene()?, Method::parse(method)?, Isa::current()?);
-    let given = &bodies.all()?;
-    let n = given.len();
+    let all = &bodies.all()?;
+    let n = all.len();
     let forces = bodies.forces(n)?;
     let (numbers, ends) = (rows::<OF_SURFACE>("surfaces", &surfaces)?, copied("ends", &ends)?);
     same_length("surfaces", n * kinds.len(), numbers.len())?;
@@ -72,11 +72,10 @@ pub fn section<'py>(
         SurfaceKind { of_rate, direction, counts, pointing, function }
     };
     let kinds = &memory::collected("surfaces", kinds.len(), kinds.iter().map(kind))?;
-    let bodies = given;
     let schedule = Schedule::TimesOfEach(&ends, 1);
-    let steps = &default_steps(method, bodies, forces, &schedule)?;
+    let steps = &default_steps(method, all, forces, &schedule)?;
     let request = Request {
-        bodies,
+        bodies: all,
         scene,
         forces,
         method: AnyMethod::Steps(method),

@@ -120,8 +120,8 @@ impl Called {
     ) -> Option<bool> {
         let (width, mut values) = (high - low, [0.0; PLACES]);
         for half in 0..2 {
-            let at = self.eight(half).map(|x| low + x * width);
-            let own = self.values::<Eight, EIGHT>(lane, at.map(told))?;
+            let told = std::array::from_fn(|k| told(low + self.places[EIGHT * half + k] * width));
+            let own = self.values::<Eight, EIGHT>(lane, told)?;
             values[EIGHT * half..][..EIGHT].copy_from_slice(&own);
         }
         let largest = values.iter().fold(self.scale.0[lane], |a, b| a.max(b.abs()));
@@ -165,11 +165,6 @@ impl Called {
             before = next;
         }
         Some(false)
-    }
-
-    /// The places of the first or second half of a piece.
-    fn eight(&self, half: usize) -> [f64; EIGHT] {
-        std::array::from_fn(|k| self.places[EIGHT * half + k])
     }
 
     /// The function less the value of a lane; no number where the function is none.

@@ -122,7 +122,6 @@ def test_there_may_be_more_threads_than_numbers() -> None:
         bodies,
         **how,
         deviations=np.tile(_core.generic_deviations()[:1], (n, 1)),
-        scale=np.ones(n),
         of_attitude=False,
         times=np.array([1.0]),
         step=np.tile([0.1, 0.2], n // 2),
