@@ -46,9 +46,9 @@ class Modes:
     shapes : ndarray, shape (..., 3 N, N, 3)
         Displacements of the particles in each mode, with ``Σ m u² = 1``.
     zero : ndarray of int, shape (...)
-        Number of modes with the frequency zero: 6 for a body that its forces hold together, the
-        translations and the rotations; 5 if the body lies on a line; more if the body can deform
-        without force.
+        Number of modes with the frequency zero, whose squared frequency is below 1e-9 of the
+        largest: 6 for a body that its forces hold together, the translations and the rotations; 5
+        if the body lies on a line; more if the body can deform without force.
     """
 
     omega_squared: Floats
@@ -240,8 +240,9 @@ class PairSystem:
             force = self.forces(r).ravel()
             curved, modes = np.linalg.eigh(self.hessian(r))
             along, bound = force @ modes, SMALL * np.abs(curved).max()
-            flat = (np.abs(curved) <= bound) & (np.abs(along) <= SMALL * scale)
-            step = np.where(flat, 0.0, along / np.maximum(np.abs(curved), bound or 1.0))
+            share = np.where(np.abs(curved) <= bound, SMALL, rounded)  # of the forces, that is zero
+            step = along / np.maximum(np.abs(curved), bound or 1.0)
+            step[np.abs(along) <= share * scale] = 0.0
             length = float(np.linalg.norm(step))
             if length <= rounded * size:
                 if curved[0] >= -bound:
@@ -256,10 +257,12 @@ class PairSystem:
             except ValueError:  # two particles meet, or the law ends
                 change = np.inf
             # The change of an energy cannot be told from its rounding close to the minimum.
-            small = abs(expected) <= rounded * float(np.abs(pulls.energy).sum())
-            if change < 0.0 or (small and length <= radius):
+            terms = np.abs(pulls.energy) + np.abs(pulls.tension) * pulls.distance
+            noise = rounded * float(terms.sum())
+            small = max(abs(expected), abs(change)) <= noise
+            if change < 0.0 or small:
                 r, energy = there, energy + change
-                radius *= 2.0 if change < 0.5 * expected else 1.0
+                radius *= 2.0 if small or change < 0.5 * expected else 1.0
             else:
                 radius *= 0.25
             if np.ptp(r, axis=0).max() > _FAR * size:

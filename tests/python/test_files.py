@@ -112,10 +112,10 @@ def test_a_name_that_promises_another_kind_of_file_is_refused(
     with pytest.raises(ValueError, match=r"^path = ") as caught:
         WRITERS[name][1](path)
     hint = {
-        ".csv": "; to_csv writes a table",
-        ".nc": "; to_xarray().to_netcdf writes netCDF",
+        ".csv": "; to_csv of a run, a map or points writes a table",
+        ".nc": "; to_xarray().to_netcdf of a run, a map or points writes netCDF",
     }.get(ending, "")
-    known = hint if ".npz" in ENDINGS[name] and name != "fit" else ""  # a fit has no to_csv
+    known = hint if ".npz" in ENDINGS[name] else ""
     assert str(caught.value) == f"path = {str(path)!r}: must end in {ENDINGS[name]}{known}"
     assert names(tmp_path) == []
 

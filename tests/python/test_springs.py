@@ -327,6 +327,18 @@ def test_a_triangle_that_springs_cannot_close_lies_on_a_line() -> None:
     assert alone.equilibrium().tolist() == [[1.0, 2.0, 3.0]]
 
 
+def test_springs_return_to_their_rest_lengths_to_rounding() -> None:
+    """From seed 25 rounding of the forces on four particles did not end the steps."""
+    rng = np.random.default_rng(25)
+    rest = rng.normal(size=(4, 3))
+    system = springs.pair_system(np.ones(4), rest, stiffness=1.0)
+    found = system.equilibrium(rest + 0.05 * rng.normal(size=(4, 3)))
+    now, before = (np.linalg.norm(r[:, None] - r, axis=-1) for r in (found, rest))
+    # What rounding leaves of each of six forces, over the softest spring of a mode.
+    left = 6.0 * 8.0 * np.finfo(float).eps * before.max() / system.modes(found).omega_squared[6]
+    np.testing.assert_allclose(now, before, rtol=0.0, atol=left)
+
+
 REFUSED: list[tuple[Any, ...]] = [
     (
         lambda: springs.pair_system([1.0, 0.0], FOUR[:2], stiffness=1.0),

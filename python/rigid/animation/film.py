@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, one_of, one_time, shaped
-from .._checks.arrays import Floats, attitudes
-from .._checks.moments import refuse_rods, symmetry_axis
+from .._checks.arrays import Floats, attitudes, of_size_one
+from .._checks.moments import refuse_rods, rods, symmetry_axis
 from .._checks.quantities import plain
 from ..drawing import colours
 from ..drawing.shapes import (
@@ -199,7 +199,8 @@ def film_of(
     shape: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> Film:
     """The frames of an animation of a body, with the arguments of :meth:`rigid.Run.animate`."""
-    t, omega, attitude, momentum = one.t, one.omega, one.attitude, one.momentum
+    t, omega, attitude = one.t, one.omega, one.attitude
+    momentum, _ = of_size_one(one.momentum, (0, 1))  # only its direction is shown
     if trail is not None and trail != np.inf:
         trail = finite_float("trail", trail, positive=True)
     if len(t) < 2:
@@ -330,11 +331,11 @@ def _polhode(moments: Floats, omega: Floats) -> Polhode:
     """Path and separatrix; on the separatrix the energy is ``L² / (2 I)`` of the middle axis."""
     momentum = moments * omega
     points = momentum / np.linalg.norm(momentum, axis=1, keepdims=True)
+    if len(set(moments.tolist())) < 3:
+        return Polhode(points, ())
     low, mid, high = np.argsort(moments)
     inverse = 1.0 / moments
     first, last = inverse[low] - inverse[mid], inverse[mid] - inverse[high]
-    if first <= 0.0 or last <= 0.0:
-        return Polhode(points, ())
     turn = np.linspace(0.0, 2.0 * np.pi, 97)
     circles = []
     for sign in (1.0, -1.0):
@@ -373,10 +374,11 @@ def _chosen(one: Recording, view: str | None, has_shape: bool) -> str:
                 )
             if has_shape:
                 raise ValueError(f"view = {view!r}: does not show the shape; omit one of them")
+            refuse_rods(one.moments)
         return view
     if one.is_top:
         return "top"
-    if one.sides is not None or one.forces or has_shape:
+    if one.sides is not None or one.forces or has_shape or rods(one.moments):
         return "box"
     return "cones" if len(set(one.moments.tolist())) == 2 else "poinsot"
 
@@ -411,7 +413,6 @@ def _box(one: Recording, momentum: Floats, solid: Floats | None) -> tuple[Part, 
 def _cones(one: Recording, momentum: Floats) -> tuple[Part, ...]:
     """Body cone and space cone, which touch along omega."""
     moments, omega = one.moments, one.omega[0]
-    refuse_rods(moments)
     number = symmetry_axis(moments)
     if number is None:
         found = moments.tolist()
@@ -442,8 +443,7 @@ def _poinsot(one: Recording, momentum: Floats) -> tuple[Part, ...]:
     in_body = moments * omega[0]
     size = np.linalg.norm(in_body)
     twice_energy = (in_body * omega[0]).sum()
-    with np.errstate(divide="ignore"):  # along a rod the ellipsoid has no end
-        semi_axes = np.sqrt(twice_energy / moments)
+    semi_axes = np.sqrt(twice_energy / moments)
     unit = float(semi_axes.max())
     contact = to_space(attitudes(one.attitude), omega) / unit
     normal = to_space(one.attitude[0], in_body) / size
@@ -507,13 +507,18 @@ def _planet(direction: Floats, normal: Floats) -> tuple[Part, ...]:
 def _vectors(one: Recording, momentum: Floats, *, length: float) -> tuple[Part, ...]:
     """Omega and its path, and L, in space; L is at most ``length`` long, omega 0.8 ``length``."""
     rates = to_space(attitudes(one.attitude), one.omega)
-    rates = 0.8 * length / np.linalg.norm(rates, axis=-1).max() * rates
-    arrow = length / np.linalg.norm(momentum, axis=-1).max() * momentum
+    rates = _of_length(0.8 * length, rates)
     return (
         Part("trail", rates, (SPACE,), meaning="path of ω"),
         _omega(rates),
-        _momentum(arrow),
+        _momentum(_of_length(length, momentum)),
     )
+
+
+def _of_length(length: float, vectors: Floats) -> Floats:
+    """The vectors with the longest of them of this length; those of a body at rest stay zero."""
+    longest = float(np.linalg.norm(vectors, axis=-1).max())
+    return vectors if longest == 0.0 else length / longest * vectors
 
 
 def _omega(points: Floats) -> Part:

@@ -446,7 +446,7 @@ def fit(
 
 def _has_clock(scene: Scene) -> bool:
     """Whether forces of the scene depend on the time."""
-    return scene.has_table or scene.orbit is not None or "function" in scene.forces
+    return bool(scene.tables) or scene.orbit is not None or "function" in scene.forces
 
 
 def _checked_sigma(sigma: ArrayLike, shape: tuple[int, ...]) -> Floats:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks.arguments import one_of, times_of_each
+from .._checks.arguments import numbers, one_of, times_of_each
 from .._checks.arrays import AttitudeLike, Floats, attitudes, of_size_one, require, vectors
 from ..model.batch import Shape, batch_shape
 from ..model.body_like import BodyLike, moments_of
@@ -115,7 +114,7 @@ class Invariants:
     p_psi: Floats | None
 
     def drift(self, name: str) -> Floats:
-        """The largest difference of a quantity from its first value, over the axis of times.
+        """The largest difference of a quantity from its first value, over the known times.
 
         Parameters
         ----------
@@ -149,7 +148,7 @@ class Invariants:
         change = np.abs(values - values[..., :1])
         if name.startswith("L_"):
             change = np.linalg.norm(change, axis=0)
-        return np.asarray(change.max(axis=-1))[()]
+        return np.asarray(np.fmax.reduce(change, axis=-1))[()]
 
 
 def invariants(
@@ -204,8 +203,10 @@ def invariants(
     kinetic = 0.5 * (momentum * rates).sum(axis=-1)
     if scene.rotor is not None and isinstance(motion, Run):
         momentum = momentum + scene.momentum_of_rotor(motion.t)
+    elif isinstance(scene.rotor, RotorTable):
+        raise ValueError(f"rotor = {scene.rotor!r}: is a table, which only invariants(run) knows")
     elif scene.rotor is not None:
-        momentum = momentum + _constant(scene.rotor)
+        momentum = momentum + scene.rotor
     unit, power = of_size_one(momentum)
     potential, p_psi = np.zeros_like(kinetic), None
     if "gamma" in scene.directions:
@@ -219,7 +220,7 @@ def invariants(
         potential=_filled(potential, shape),
         energy=_filled(kinetic + potential, shape),
         L=_filled(np.ldexp(np.linalg.norm(unit, axis=-1), power[..., 0]), shape),
-        L_body=_filled(_in_body_axes(motion, momentum), (*shape, 3)),
+        L_body=_filled(_turned(motion, momentum), (*shape, 3)),
         L_space=None
         if quaternions is None
         else _filled(to_space(quaternions, momentum), (*shape, 3)),
@@ -329,9 +330,13 @@ def power_balance(
             acting = acting + _body_torque(in_space, quaternions, "space")
     if scene.damping is not None:
         acting = acting - rates @ np.array(scene.damping)
+    rotor = scene.momentum_of_rotor(times)
+    if isinstance(scene.rotor, RotorTable):
+        change = _time_derivative(np.moveaxis(rotor, -1, 0), times)
+        acting = acting - np.moveaxis(change, 0, -1)
     for force, value in scene.further():
-        if force.name != "orbit":
-            acting = acting + force.torque(_at_times(_constant(force.numbers(value))), rates)
+        if force.name not in ("orbit", "rotor"):  # a constant rotor has no power
+            acting = acting + force.torque(_at_times(force.numbers(value)), rates)
     if "function" in scene.forces:
         raise ValueError("torque: the torque of a function is not known from the states")
     if "gamma" in scene.directions:
@@ -340,9 +345,9 @@ def power_balance(
         acting = acting + np.cross(gamma, _at_times(scene.weight))
     if torque is not None:
         added = _body_torque(torque, quaternions, frame)
-        acting = acting + (_in_principal_axes(motion, added) if frame == "body" else added)
+        acting = acting + (_turned(motion, added, back=True) if frame == "body" else added)
     acting = acting + _gravity_gradient(scene, quaternions, times)
-    power = (acting * rates).sum(axis=-1) + _sink_power(scene, rates, acting)
+    power = (acting * rates).sum(axis=-1) + _sink_power(scene, rates, acting, rotor)
     rate = _time_derivative(kinetic, times)
     return PowerBalance(power=power, rate=rate, residual=rate - power)
 
@@ -362,14 +367,12 @@ def _gravity_gradient(scene: Scene, quaternions: Floats | None, times: Floats) -
     return torque
 
 
-def _sink_power(scene: Scene, rates: Floats, acting: Floats) -> Floats | float:
+def _sink_power(scene: Scene, rates: Floats, acting: Floats, rotor: Floats) -> Floats | float:
     """The power of an energy sink, ``omega·(L × I⁻¹ P omega')``."""
     if scene.dissipation is None:
         return 0.0
     moments = _at_times(scene.body.moments)
-    momentum = moments * rates
-    if scene.rotor is not None:
-        momentum = momentum + _at_times(_constant(scene.rotor))
+    momentum = moments * rates + rotor
     change = (np.cross(momentum, rates) + acting) / moments
     turn = _at_times(scene.dissipation.coefficient) * change / moments
     power: Floats = (rates * np.cross(momentum, turn)).sum(axis=-1)
@@ -398,13 +401,6 @@ def _time_derivative(values: Floats, times: Floats) -> Floats:
     return derivative
 
 
-def _constant(numbers: Any) -> Any:
-    """The numbers of a force, if they are not a table."""
-    if isinstance(numbers, RotorTable):
-        raise ValueError(f"rotor = {numbers!r}: is a table, which only invariants(run) knows")
-    return numbers
-
-
 def _at_times(vectors: ArrayLike) -> Floats:
     """Vectors of the bodies, shaped to broadcast with states that have an axis for the times."""
     return np.asarray(vectors)[..., np.newaxis, :]
@@ -416,16 +412,12 @@ def _of_each(vectors: ArrayLike, motion: Run | Scene) -> Floats:
     return _at_times(array) if isinstance(motion, Run) and array.ndim > 1 else array
 
 
-def _in_body_axes(motion: Run | Scene, principal: Floats) -> Floats:
-    """Vectors along the body axes of a run, if these are not the principal axes."""
+def _turned(motion: Run | Scene, vectors: Floats, *, back: bool = False) -> Floats:
+    """Vectors from the principal axes to the body axes of a run, or ``back``, if these differ."""
     axes = motion.frame if isinstance(motion, Run) else None
-    return principal if axes is None else turned(axes, principal)
-
-
-def _in_principal_axes(motion: Run | Scene, vectors: Floats) -> Floats:
-    """Vectors along the principal axes, of components along the body axes of a run."""
-    axes = motion.frame if isinstance(motion, Run) else None
-    return vectors if axes is None else turned(axes.T, vectors)
+    if axes is None:
+        return vectors
+    return turned(axes.T if back else axes, vectors)
 
 
 def _along(vectors: Floats, of_bodies: Floats) -> Floats:
@@ -446,12 +438,14 @@ def _states(
             raise ValueError("omega, attitude: a run has its own states")
         motion = motion.in_frame(None) if motion.frame is not None else motion
         scene = scene_from_dict(motion.spec["scene"])
-        omega, attitude, gamma = motion.omega, motion.attitude, motion.gamma
+        rates, attitude, gamma = numbers("omega", motion.omega), motion.attitude, motion.gamma
+        if attitude is not None:  # NaN after the event that ended a body, as the rates are
+            attitude = np.nan_to_num(attitude, nan=1.0)
     else:
         scene, gamma = check_scene(motion, many=True), None
         if omega is None:
             raise ValueError("omega = None: states are needed, or a run")
-    rates = vectors("omega", omega)
+        rates = vectors("omega", omega)
     quaternions = None if attitude is None else attitudes(attitude)
     if quaternions is not None:
         batch_shape(_axes(rates, quaternions))

@@ -164,7 +164,7 @@ def jacobi_integral(scene: Scene, omega: ArrayLike, attitude: AttitudeLike, t: A
     rates, turned, times = vectors("omega", omega), attitudes(attitude), shaped("t", t)
     moments = np.asarray(scene.body.moments)
     o, normal = radial(orbit, turned, times), to_body(turned, np.asarray(orbit.normal))
-    if scene.has_table:
+    if scene.tables:
         raise ValueError(f"scene = {scene.words()}: no Jacobi integral is constant under a table")
     momentum = moments * rates + (0.0 if scene.rotor is None else np.asarray(scene.rotor))
     twice = np.sum(moments * (rates**2 + 3.0 * orbit.rate**2 * o**2), axis=-1)

@@ -207,7 +207,7 @@ def replay(
         run = simulate(scene, *start, t=times, method=method)
     elif not math.isfinite(step):  # it was not run: only its start is known
         run = simulate(scene, *start, t=[0.0], method=method)
-    elif t is None and not scene.has_table:  # whose knots end steps
+    elif t is None and not scene.tables:  # whose knots end steps
         total = round(min(part.t_end / step, spec.max_steps))
         ends = np.linspace(0, total, min(total, 500) + 1).astype(np.int64)
         strides = np.diff(ends, prepend=0).tolist()

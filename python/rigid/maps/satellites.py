@@ -29,7 +29,7 @@ import numpy as np
 from .._checks.arrays import Floats
 from .._energy_loss import mean_loss
 from .._libration import squares
-from ..model.criteria import NoFlip, TiltBelow
+from ..model.bounds import NoFlip, TiltBelow
 from ..model.orbit import Orbit
 from ..rotations import quaternion_to_matrix
 from .spec import MapSpec
@@ -172,7 +172,7 @@ def on_orbit(spec: MapSpec) -> Predicted | None:
     noise = start.noise
     if (
         orbit is None
-        or scene.has_table
+        or scene.tables
         or not isinstance(stable, TiltBelow)
         or {*spec.forces} != {"orbit"}
         or orbit.shape

@@ -268,11 +268,13 @@ def crosses(
     name : str or callable, optional
         A rate ``"omega1"`` to ``"omega3"`` (rad/s); a component of the upward vertical in the body,
         ``"gamma1"`` to ``"gamma3"``; the angle of a body axis from the vertical, ``"tilt1"`` to
-        ``"tilt3"`` (rad); a component of the angular momentum in space, ``"L1"`` to ``"L3"``
-        (kg m²/s); ``"speed"``, the length of the rates (rad/s); ``"pointing"``, the angle of a
-        body axis from a direction (rad); ``"roll"``, ``"pitch"`` or ``"yaw"`` of a body on an
-        orbit (rad), as :func:`rigid.free.roll_pitch_yaw` has them; ``"state1"`` to ``"state8"``,
-        the states of :meth:`Torque.call`, in their units. Or a function of the state, see below.
+        ``"tilt3"`` (rad), where the vertical is axis 3 of space, also on an orbit: the tilt of maps
+        on orbits, from the normal, is ``"pointing"`` with ``of="normal"``; a component of the
+        angular momentum in space, ``"L1"`` to ``"L3"`` (kg m²/s); ``"speed"``, the length of the
+        rates (rad/s); ``"pointing"``, the angle of a body axis from a direction (rad); ``"roll"``,
+        ``"pitch"`` or ``"yaw"`` of a body on an orbit (rad), as :func:`rigid.free.roll_pitch_yaw`
+        has them; ``"state1"`` to ``"state8"``, the states of :meth:`Torque.call`, in their units.
+        Or a function of the state, see below.
     value : float
         The value of the quantity.
     direction : {0, 1, -1}

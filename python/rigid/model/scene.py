@@ -213,18 +213,19 @@ class Scene(ByValue, ABC):
         return bool(self.further())
 
     @property
-    def has_table(self) -> bool:
-        """Whether a force follows a table over time."""
-        by_torque = self.torque is not None and bool(self.torque.times)
-        return by_torque or any(isinstance(value, Sampled) for _, value in self.further())
+    def tables(self) -> list[tuple[str, Floats]]:
+        """The forces that follow a table over time, by name, and the times of their tables."""
+        found = [
+            (force.name, value.t) for force, value in self.further() if isinstance(value, Sampled)
+        ]
+        if self.torque is not None and self.torque.times:
+            found.insert(0, ("torque", np.array(self.torque.times)))
+        return found
 
     @property
     def known_until(self) -> float:
         """The time (s) at which the first table of a force ends; infinite without a table."""
-        tables = [value.t for _, value in self.further() if isinstance(value, Sampled)]
-        if self.torque is not None and self.torque.times:
-            tables.append(np.array(self.torque.times))
-        return min((float(times[-1]) for times in tables), default=np.inf)
+        return min((float(times[-1]) for _, times in self.tables), default=np.inf)
 
     @property
     def bounds_rates(self) -> bool:
@@ -532,11 +533,8 @@ class HeavyTop(Scene):
         Mass times gravity times the distance from the fixed point to the centre of mass (J), >= 0.
     com : array_like, shape (3,) or (..., 3), optional
         Unit vector from the fixed point to the centre of mass in the body. Default ``(0, 0, 1)``.
-    torque, damping, frame : optional
+    torque, damping, drag, frame : optional
         As in :class:`FreeBody`; ``com`` too is given in the frame.
-    drag : float or array_like, shape (3,) or (..., 3), optional
-        Quadratic drag: the coefficients ``C`` (N m s²) of the torque ``-|omega| C omega``, one for
-        each body axis or one for all.
 
     Raises
     ------

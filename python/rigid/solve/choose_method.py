@@ -14,6 +14,7 @@ from .. import _core
 from .._checks.arguments import two_digits_above
 from .._checks.arrays import Floats
 from ..model.forces import forces_in_words
+from ..model.sampled import reached
 from .closed_form import (
     FORCED_RULE,
     NO_FORM,
@@ -160,8 +161,8 @@ def choose_method(problem: Problem) -> Choice:
     asked = problem.method
     # A requested method does not depend on them.
     forms = _known_closed_forms(problem) if asked in (None, EXACT) else np.empty(0, np.uint8)
-    if scene.torque is not None and problem.reach is not None:
-        scene.torque.at(np.ravel(problem.reach))  # ValueError outside the times of its table
+    for name, times in scene.tables:
+        reached(name, times, np.ravel(problem.reach or 0.0))
     method, why = _preferred(problem, forms)
     steps, accuracy = None, problem.accuracy
     if accuracy is None and _takes_usual_accuracy(problem, method):

@@ -195,6 +195,14 @@ def test_halves_add_to_the_whole() -> None:
     assert together.tensor == pytest.approx(whole.properties.tensor, abs=1e-10)
 
 
+def test_a_slab_between_the_first_points_is_found() -> None:
+    """The four points along x are beyond 0.33, and the slab reaches to 0.3."""
+    region = solids.box_region([-1.0, -0.5, -0.25], [1.0, 0.5, 0.25])
+    slab = solids.density_integral(lambda x: 1.0 * (np.abs(x[:, 0]) < 0.3), region)
+    assert abs(slab.properties.mass / 0.3 - 1.0) < slab.error < 0.2
+    assert not slab.converged
+
+
 def test_the_report_of_an_integral_is_honest() -> None:
     smooth = solids.density_integral(1.0, BALL, tolerance=1e-12)
     assert smooth.converged

@@ -232,7 +232,9 @@ def test_events_change_no_bit_of_the_states() -> None:
         np.testing.assert_array_equal(watched.end, 10.0)
         # An event that is watched with others has the bits of one that is watched alone.
         alone = rigid.simulate(scene, STARTS, TILTED, t=times, method=method, events=events[1])
-        np.testing.assert_array_equal(alone.events[0].t, watched.events[1].t)
+        for name in ("t", "slope", "error"):
+            one, other = alone.events[0], watched.events[1]
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name), name)
         first = watched.events[0]
         np.testing.assert_array_equal(np.repeat(np.arange(70), first.count), first.body)
 
@@ -326,6 +328,26 @@ def test_events_of_a_body_beside_its_separatrix_are_kept_by_the_closed_form() ->
     expected = rigid.exact.flip_times(BOX, start, count=len(run.events[0]))
     assert len(expected) == 5
     np.testing.assert_allclose(run.events[0].t, expected, rtol=1e-12)
+
+
+def test_the_stated_error_of_a_turn_covers_the_distance_from_a_sharp_run() -> None:
+    """Inside loose steps a rate errs more than the states do."""
+    scene = rigid.FreeBody(ASYMMETRIC.body, orbit=rigid.Orbit(0.7))
+    rng = np.random.default_rng(5)
+    omega, attitude = rng.normal(size=(20, 3)), rng.normal(size=(20, 4))
+    watched = [rigid.turns("speed"), rigid.turns("pitch", axes=(1, 3)), rigid.turns("L1")]
+    loose, sharp = (
+        rigid.simulate(
+            scene, omega, attitude, t=[40.0], events=watched, method="taylor20", tolerance=size
+        ).events
+        for size in (1e-9, 1e-17)
+    )
+    for one, other in zip(loose, sharp, strict=True):
+        off = np.abs(one.t - other.t)
+        assert len(off) > 600
+        assert (off <= one.error + other.error).all()
+        # Three times the difference of two runs, the largest until then.
+        assert np.quantile(one.error[off > 0.0] / off[off > 0.0], 0.1) < 20.0
 
 
 def test_events_are_saved_with_their_run(tmp_path: Path) -> None:

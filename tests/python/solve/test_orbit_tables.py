@@ -75,6 +75,27 @@ def test_the_stated_error_falls_with_the_fourth_power_of_the_spacing() -> None:
     assert coarse / fine > 200.0
 
 
+def test_a_function_does_not_judge_what_a_coarse_table_leaves_open() -> None:
+    """Between the rate along the table and the one along a table in doubt nothing is decided."""
+    scene = on(table_of(ELLIPSE, (0.0, 8.0), 33))
+    run = rigid.simulate(scene, OMEGA, ATTITUDE, t=[8.0])
+    margin = 0.1 * float(run.error) * np.linalg.norm(run.omega)
+    low, high = run.omega[-1, 0] - margin, run.omega[-1, 0] + margin
+    undecided = [
+        int(
+            rigid.stability_map(
+                scene,
+                axes={"omega1": OMEGA[:1]},
+                start=rigid.Start(omega=OMEGA, attitude=ATTITUDE),
+                stable=rigid.judged(lambda states, at=limit: states.omega[:, -1, 0] - at, t=[8.0]),
+                samples=1,
+            ).undecided.sum()
+        )
+        for limit in (low, high)
+    ]
+    assert sum(undecided) == 1
+
+
 def test_random_tables_err_as_stated() -> None:
     """Of flybys and circles, with intervals that differ by up to a factor of two."""
     rng = np.random.default_rng(7)
@@ -414,6 +435,14 @@ test_what_a_table_cannot = refuses(
         (
             lambda: rigid.simulate(on(TABLE), OMEGA, t=[9.0]),
             "t = 9: the table of the orbit does not reach this time",
+        ),
+        (
+            lambda: rigid.plan(on(TABLE), omega=OMEGA, t_end=9.0),
+            "t = 9: the table of the orbit does not reach this time",
+        ),
+        (
+            lambda: rigid.plan(on(made(TABLE.t + 1.0, TABLE.position(TABLE.t)))),
+            "t = 0: the table of the orbit does not reach this time",
         ),
         (lambda: TABLE.period, "OrbitTable.* has no rate"),
         (

@@ -97,6 +97,21 @@ def test_motions_are_those_of_scipy(end: float) -> None:
     assert run.energy_drift < 1e-9
 
 
+def test_a_wheel_that_speeds_up_takes_power_from_its_body() -> None:
+    """``dT/dt = -h'·omega``, less what an energy sink takes: without knots, of order 2 in time."""
+    wheel = rigid.RotorTable([0.0, 2.0], MOMENTA[:2])
+    sink = rigid.EnergySink((0.002, 0.004, 0.01))
+    t = np.linspace(0.0, 2.0, 4001)
+    for scene in (tables(wheel), tables(wheel, dissipation=sink)):
+        run = rigid.simulate(scene, np.stack([OMEGA, 2.0 * OMEGA]), t=t)
+        balance = rigid.free.power_balance(run)
+        assert np.abs(balance.residual).max() < 1e-5
+    taken = -run.omega @ (MOMENTA[1] - MOMENTA[0]) / 2.0
+    assert np.abs(taken).max() > 1e-2
+    # The sink takes the rest, and it only takes.
+    assert (balance.power < taken).all()
+
+
 def test_each_body_has_its_wheel() -> None:
     momenta = np.stack([MOMENTA, -MOMENTA, 0.5 * MOMENTA])
     many = tables(rigid.RotorTable(KNOTS, momenta))
