@@ -157,15 +157,6 @@ def test_exponential_against_scipy_and_to_first_order() -> None:
     assert moved == pytest.approx(-np.cross(n, x), abs=1e-6)
 
 
-def test_finite_turns_do_not_commute() -> None:
-    """The commutator of two small turns is their cross product, to third order."""
-    a, b = 1e-3 * DIRECTIONS[8], 1e-3 * DIRECTIONS[9]
-    there, back = rotations.exp_so3([a, b]), rotations.exp_so3([-a, -b])
-    around = rotations.log_so3(there[0] @ there[1] @ back[0] @ back[1])
-    assert np.abs(around).max() > 1e-7
-    assert around == pytest.approx(np.cross(a, b), abs=2e-9)
-
-
 # Quaternions
 
 
