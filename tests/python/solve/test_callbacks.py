@@ -339,7 +339,7 @@ TURNED = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 UNDER = rigid.Torque.call(damping, [0.1] * 3)
 
 
-def asked(**options: Any) -> Callable[[], rigid.Run]:
+def asked(**options: Any) -> Callable[[], Any]:
     return lambda: rigid.simulate(top(torque=UNDER), OMEGA, **{"t": [0.0, 0.5, 1.0], **options})
 
 
