@@ -8,7 +8,8 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._checks.arrays import Floats, finite_array, require
+from ._checks.arguments import shaped
+from ._checks.arrays import Floats, require
 from ._checks.overflow import refuses_overflow
 from .free import symmetric_free_top
 
@@ -60,7 +61,7 @@ def rotation_rate(day: ArrayLike = SIDEREAL_DAY) -> Floats:
     >>> f"{earth.rotation_rate():.7e}, {earth.rotation_rate(earth.SOLAR_DAY):.7e}"
     '7.2921159e-05, 7.2722052e-05'
     """
-    days = _positive("day", day)
+    days = shaped("day", day, positive=True)
     return np.asarray(2.0 * pi / days)[()]
 
 
@@ -91,11 +92,9 @@ def ellipsoid_moments(polar_radius: float, equatorial_radius: float, mass: float
     >>> earth.ellipsoid_moments(1.0, 2.0, mass=5.0).tolist()
     [5.0, 5.0, 8.0]
     """
-    polar, equator = (
-        _positive("polar_radius", polar_radius),
-        _positive("equatorial_radius", equatorial_radius),
-    )
-    fifth = _positive("mass", mass) / 5.0
+    polar = shaped("polar_radius", polar_radius, positive=True)
+    equator = shaped("equatorial_radius", equatorial_radius, positive=True)
+    fifth = shaped("mass", mass, positive=True) / 5.0
     across = fifth * (polar**2 + equator**2)
     return np.array([across, across, 2.0 * fifth * equator**2])
 
@@ -127,8 +126,8 @@ def ellipticity(polar_radius: ArrayLike, equatorial_radius: ArrayLike) -> Floats
     >>> round(float(earth.ellipticity(6356752.3, 6378137.0)), 10)
     0.0033584335
     """
-    polar = _positive("polar_radius", polar_radius)
-    equator = _positive("equatorial_radius", equatorial_radius)
+    polar = shaped("polar_radius", polar_radius, positive=True)
+    equator = shaped("equatorial_radius", equatorial_radius, positive=True)
     flat: Floats = (equator - polar) * (equator + polar) / (equator**2 + polar**2)
     return flat
 
@@ -166,7 +165,7 @@ def euler_period(ellipticity: ArrayLike, rate: ArrayLike) -> Floats:
     """
     flat = _ellipticity(ellipticity)
     with np.errstate(divide="ignore"):
-        return np.asarray(2.0 * pi / (np.abs(flat) * _positive("rate", rate)))[()]
+        return np.asarray(2.0 * pi / (np.abs(flat) * shaped("rate", rate, positive=True)))[()]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -245,11 +244,11 @@ def wobble(
     (6.177496, '7.3139841e-05')
     """
     flat, speed, angle = np.broadcast_arrays(
-        _ellipticity(ellipticity), _positive("rate", rate), finite_array("tilt", tilt)
+        _ellipticity(ellipticity), shaped("rate", rate, positive=True), shaped("tilt", tilt)
     )
     require("ellipticity", flat, flat <= 1.0, "must be at most 1, the value of a flat body")
     require("tilt", angle, (angle >= 0.0) & (angle <= 0.5 * pi), "must lie in [0, pi/2] (rad)")
-    size = _positive("radius", radius)
+    size = shaped("radius", radius, positive=True)
     one = np.ones(flat.shape)
     top = symmetric_free_top(
         np.stack([one, one, 1.0 + flat], axis=-1),
@@ -268,13 +267,7 @@ def wobble(
     )
 
 
-def _positive(name: str, value: ArrayLike) -> Floats:
-    array = finite_array(name, value)
-    require(name, array, array > 0.0, "must be positive")
-    return array
-
-
 def _ellipticity(value: ArrayLike) -> Floats:
-    array = finite_array("ellipticity", value)
+    array = shaped("ellipticity", value)
     require("ellipticity", array, array > -1.0, "must be above -1")
     return array

@@ -56,7 +56,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, shaped, together
-from ._checks.arrays import Floats
+from ._checks.arrays import Floats, of_size_one
 from ._checks.overflow import refuses_overflow
 
 __all__ = ["Equilibrant", "Equilibrium", "Wrench", "equilibrant", "equilibrium", "wrench"]
@@ -295,15 +295,6 @@ class _Sums:
     about: Floats
 
 
-def _in_own_unit(vectors: Floats) -> tuple[Floats, NDArray[np.int32]]:
-    """The vectors of each system over a power of two near their largest, and its exponent.
-
-    Shapes (..., N, 3) and (...).
-    """
-    exponent = np.frexp(np.abs(vectors).max(axis=(-2, -1), initial=0.0))[1]
-    return np.ldexp(vectors, -exponent[..., np.newaxis, np.newaxis]), exponent
-
-
 def _sums(forces: ArrayLike, points: ArrayLike, about: ArrayLike, rtol: float) -> _Sums:
     f, r = shaped("forces", forces, None, 3), shaped("points", points, None, 3)
     if f.shape[-2] != r.shape[-2]:
@@ -314,7 +305,7 @@ def _sums(forces: ArrayLike, points: ArrayLike, about: ArrayLike, rtol: float) -
     arm = r - origin
     force, torque = f.sum(axis=-2), np.cross(arm, f).sum(axis=-2)
     # In units of the largest force and of the longest arm no square leaves the range of doubles.
-    (unit_f, exponent), (unit_arm, _) = _in_own_unit(f), _in_own_unit(arm)
+    (unit_f, power), (unit_arm, _) = (of_size_one(own, (-2, -1)) for own in (f, arm))
     sizes, arms = np.linalg.norm(unit_f, axis=-1), np.linalg.norm(unit_arm, axis=-1)
     unit_torque = np.cross(unit_arm, unit_f).sum(axis=-2)
     size = np.linalg.norm(unit_f.sum(axis=-2), axis=-1)
@@ -323,6 +314,6 @@ def _sums(forces: ArrayLike, points: ArrayLike, about: ArrayLike, rtol: float) -
         torque=torque,
         some_force=size > share * sizes.sum(axis=-1),
         some_torque=np.linalg.norm(unit_torque, axis=-1) > share * (arms * sizes).sum(axis=-1),
-        size=np.ldexp(size, exponent)[..., np.newaxis],
+        size=np.ldexp(size[..., np.newaxis], power[..., 0]),
         about=np.broadcast_to(point[..., 0, :], force.shape),
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks.arguments import one_of, times_of_each
+from .._checks.arguments import numbers, one_of, times_of_each
 from .._checks.arrays import AttitudeLike, Floats, attitudes, of_size_one, require, vectors
 from ..model.batch import Shape, batch_shape
 from ..model.body_like import BodyLike, moments_of
@@ -114,7 +114,7 @@ class Invariants:
     p_psi: Floats | None
 
     def drift(self, name: str) -> Floats:
-        """The largest difference of a quantity from its first value, over the axis of times.
+        """The largest difference of a quantity from its first value, over the known times.
 
         Parameters
         ----------
@@ -148,7 +148,7 @@ class Invariants:
         change = np.abs(values - values[..., :1])
         if name.startswith("L_"):
             change = np.linalg.norm(change, axis=0)
-        return np.asarray(change.max(axis=-1))[()]
+        return np.asarray(np.fmax.reduce(change, axis=-1))[()]
 
 
 def invariants(
@@ -438,12 +438,14 @@ def _states(
             raise ValueError("omega, attitude: a run has its own states")
         motion = motion.in_frame(None) if motion.frame is not None else motion
         scene = scene_from_dict(motion.spec["scene"])
-        omega, attitude, gamma = motion.omega, motion.attitude, motion.gamma
+        rates, attitude, gamma = numbers("omega", motion.omega), motion.attitude, motion.gamma
+        if attitude is not None:  # NaN after the event that ended a body, as the rates are
+            attitude = np.nan_to_num(attitude, nan=1.0)
     else:
         scene, gamma = check_scene(motion, many=True), None
         if omega is None:
             raise ValueError("omega = None: states are needed, or a run")
-    rates = vectors("omega", omega)
+        rates = vectors("omega", omega)
     quaternions = None if attitude is None else attitudes(attitude)
     if quaternions is not None:
         batch_shape(_axes(rates, quaternions))

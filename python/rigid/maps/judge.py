@@ -259,6 +259,7 @@ class CustomJob(BlockedJob):
         times, count = np.array(self._stable.times), len(mine)
         omega, attitude = (values[mine] for values in starts)
         bodies = self._grid.bodies(row[mine], omega, attitude)
+        bodies = bodies.doubted() if is_second else bodies
         tolerance, steps = self._steps(method, bodies, times[-1], is_second=is_second)
         part = Request(
             bodies=bodies,

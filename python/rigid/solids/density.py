@@ -219,17 +219,21 @@ def density_integral(
     changes: list[float] = []
     before: MassProperties | None = None
     for order in ORDERS:
-        now = _gauss(function, region, order)
+        masses, places = _gauss(function, region, order)
         points.append(order**3)
+        if not masses.any() and order < ORDERS[-1]:
+            continue  # so few points may miss all mass
+        now = point_masses(masses, places)
         if before is not None:
             changes.append(_change(before, now))
             if changes[-1] <= tolerance:
                 break
         before = now
+    error = changes[-1] if changes else np.inf
     return DensityIntegral(
         properties=now,
-        error=changes[-1],
-        converged=changes[-1] <= tolerance,
+        error=error,
+        converged=error <= tolerance,
         points=tuple(points),
         changes=tuple(changes),
     )
@@ -297,7 +301,10 @@ def _constant(density: float) -> Callable[[Floats], Floats]:
     return lambda points: np.full(len(points), density)
 
 
-def _gauss(density: Callable[[Floats], ArrayLike], region: Region, order: int) -> MassProperties:
+def _gauss(
+    density: Callable[[Floats], ArrayLike], region: Region, order: int
+) -> tuple[Floats, Floats]:
+    """Masses and places of the points of an order."""
     node, weight = np.polynomial.legendre.leggauss(order)
     node, weight = 0.5 * (node + 1.0), 0.5 * weight
     cube = np.stack(np.meshgrid(node, node, node, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -309,7 +316,7 @@ def _gauss(density: Callable[[Floats], ArrayLike], region: Region, order: int) -
             f"density: expected shape {volume.shape} for points of shape {points.shape}, "
             f"got {rho.shape}"
         )
-    return point_masses(weights * volume * rho, points)
+    return weights * volume * rho, points
 
 
 def _change(before: MassProperties, now: MassProperties) -> float:

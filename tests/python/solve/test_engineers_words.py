@@ -6,19 +6,11 @@ import numpy as np
 import pytest
 
 import rigid
-from physics import ROUNDOFF
+from physics import ROUNDOFF, tensor_of_points
 from refusals import refuses
 from rigid import solids
 
 CONE = rigid.Body.cone(0.05, 0.16, mass=0.2)
-
-
-def tensor_about(masses: np.ndarray, points: np.ndarray, origin: np.ndarray) -> np.ndarray:
-    """Sum over mass points, term by term."""
-    total = np.zeros((3, 3))
-    for mass, point in zip(masses, points - origin, strict=True):
-        total += mass * (point @ point * np.eye(3) - np.outer(point, point))
-    return total
 
 
 def test_sides_belong_to_the_axes() -> None:
@@ -79,7 +71,7 @@ def test_any_pivot_of_any_body_has_the_moments_of_its_mass_points(seed: int) -> 
         rigid.inertia.point_masses(masses, points), pivot=pivot, g=g
     )
     mass, centre = masses.sum(), masses @ points / masses.sum()
-    expected = tensor_about(masses, points, pivot)
+    expected = tensor_of_points(masses, points - pivot)
     assert np.isclose(np.linalg.det(axes), 1.0, rtol=1e-13)
     size = np.abs(expected).max()
     assert np.allclose(axes @ np.diag(top.body.moments) @ axes.T, expected, atol=1e-14 * size)

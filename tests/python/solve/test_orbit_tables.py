@@ -75,6 +75,26 @@ def test_the_stated_error_falls_with_the_fourth_power_of_the_spacing() -> None:
     assert coarse / fine > 200.0
 
 
+def test_a_function_does_not_judge_what_a_coarse_table_leaves_open() -> None:
+    """Between the rate along the table and the one along a table in doubt nothing is decided."""
+    scene = on(table_of(ELLIPSE, (0.0, 8.0), 33))
+    run = rigid.simulate(scene, OMEGA, ATTITUDE, t=[8.0])
+    margin = 0.1 * float(run.error) * np.linalg.norm(run.omega)
+    low, high = run.omega[-1, 0] - margin, run.omega[-1, 0] + margin
+
+    def undecided(limit: float) -> int:
+        result = rigid.stability_map(
+            scene,
+            axes={"omega1": OMEGA[:1]},
+            start=rigid.Start(omega=OMEGA, attitude=ATTITUDE),  # type: ignore[arg-type]
+            stable=rigid.judged(lambda states: states.omega[:, -1, 0] - limit, t=[8.0]),
+            samples=1,
+        )
+        return int(result.undecided.sum())
+
+    assert undecided(low) + undecided(high) == 1
+
+
 def test_random_tables_err_as_stated() -> None:
     """Of flybys and circles, with intervals that differ by up to a factor of two."""
     rng = np.random.default_rng(7)
