@@ -139,7 +139,6 @@ class Rigid:
     def __init__(self, method: str) -> None:
         self.method, self.name = method, f"rigid {method}"
         self.bodies = bodies()
-        self.scale = _core.rate_units(self.bodies)
         self.deviations = deviations()
 
     def run(self, steps: float) -> dict[str, Any]:
@@ -147,7 +146,6 @@ class Rigid:
             self.bodies,
             method=self.method,
             deviations=self.deviations,
-            scale=self.scale,
             of_attitude=False,
             times=np.array([T]),
             step=np.full(CELLS * CELLS, T / int(steps)),

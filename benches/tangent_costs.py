@@ -17,6 +17,7 @@ from timing import Moved, in_turns, moved, over, parser, sized
 import rigid
 from rigid import _core
 from rigid.model.bodies import Bodies
+from rigid.model.forces import CHANGES
 from rigid.solve.request import Request
 
 BODIES, STEPS = sized((512, 1024), (512, 128))
@@ -47,7 +48,6 @@ def run(what: str, method: str, moments: tuple[float, float, float]) -> Moved:
             max_steps=10**9,
             threads=1,
             deviations=deviations,
-            scale=np.ones(BODIES),
             of_attitude=False,
             times=np.array([steps * step]),
         )
@@ -56,7 +56,7 @@ def run(what: str, method: str, moments: tuple[float, float, float]) -> Moved:
         "rates": ({}, omega, "omega"),
         "tangent": ({"deviations": deviations}, deviations, "tangent"),
         "sensitivity": (
-            {"changes": rng.normal(size=(BODIES, _core.change_places()[1]))},
+            {"changes": rng.normal(size=(BODIES, CHANGES))},
             0.0,
             "tangent",
         ),

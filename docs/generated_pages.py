@@ -18,7 +18,8 @@ from rigid.cli.parser import CODES, help_on, make_parser
 from rigid.cli.toml_scene import KINDS, NOISES, scene_of_keys
 from rigid.cli.toml_table import keys
 from rigid.maps.spec import MapSpec
-from rigid.model.criteria import CRITERIA
+from rigid.model.criterion import CRITERIA
+from rigid.model.forces import FORCES, forces_in_words
 from rigid.model.parameters import PARAMETERS
 from rigid.reports.spec import ReportSpec
 
@@ -34,12 +35,29 @@ GROUPS = {
 """The modules of the reference, by subject."""
 
 
+SUBJECTS = {
+    "Bodies and scenes": (
+        *("_checks.moments", "model.body", "model.forces", "model.orbit", "model.sampled"),
+        *("model.scene", "model.torque"),
+    ),
+    "States at output times": ("fits", "model.events", "sections", "solve"),
+    "Plans and methods": ("citing", "planning", "solve.methods", "solve.plan"),
+    "Maps": ("_checks.progress", "maps", "model", "store"),
+    "Starts": ("maps.vary", "model.mixture", "model.noise", "model.start"),
+    "Reports, extremes and validation": ("literature", "reports"),
+    "This installation": ("info",),
+}
+"""The subjects of the page of ``rigid``, with the modules whose functions and classes it has."""
+
+
 def write_generated_pages(docs: Path) -> None:
     """Write the pages of modules, and the tables and texts that other pages include."""
     folder = docs / "generated"
     folder.mkdir(exist_ok=True)
     write_explorer(docs / "_static" / "explorer.html")
     _write(docs / "map_parameters.txt", map_parameters())
+    _write(folder / "criteria.txt", criterion_table())
+    _write(folder / "methods_of_forces.txt", force_table())
     _write(folder / "modules.txt", module_table())
     _write(folder / "commands.txt", command_help())
     for name, text in toml_tables().items():
@@ -47,6 +65,8 @@ def write_generated_pages(docs: Path) -> None:
     _write(folder / "validation.txt", validation_table())
     _write(folder / "install.txt", install_commands())
     write_films(docs / "_static")
+    (docs / "api").mkdir(exist_ok=True)
+    _write(docs / "api" / "rigid.rst", package_page())
     for name in modules():
         _write(docs / "api" / f"{name}.rst", module_page(name))
 
@@ -103,6 +123,28 @@ def map_parameters() -> str:
     return "\n".join(lines) + "\n"
 
 
+def criterion_table() -> str:
+    """The table of ``maps.md``: what each criterion says of a stable body."""
+    lines = ["| criterion | a body is stable if |", "|---|---|"]
+    for name in (*CRITERIA, "librates"):
+        make = getattr(rigid, name)
+        _, _, meaning = _summary(make).partition("Stable: ")
+        lines.append(f"| {{py:func}}`{name}({', '.join(keys(make))}) <rigid.{name}>` | {meaning} |")
+    return "\n".join(lines) + "\n"
+
+
+def force_table() -> str:
+    """The table of ``forces.md``: forces that the same methods integrate share a row."""
+
+    def able(force: str) -> str:
+        return ", ".join(f"`{one.name}`" for one in rigid.methods() if force in one.forces)
+
+    lines = ["| forces | methods |", "|---|---|"]
+    for methods, forces in groupby(("torque", "damping", *FORCES, "function"), key=able):
+        lines.append(f"| {', '.join(map(forces_in_words, zip(forces)))} | {methods} |")
+    return "\n".join(lines) + "\n"
+
+
 def module_table() -> str:
     """The table of ``reference.md``: a line for each module."""
     lines = ["| module | what is in it |", "|---|---|"]
@@ -112,7 +154,8 @@ def module_table() -> str:
                 "| [`rigid`](api/rigid.rst) | bodies, scenes, runs, plans, maps, reports |"
             )
         lines += [
-            f"| [`rigid.{name}`](api/{name}.rst) | {_first_sentence(name)} |" for name in names
+            f"| [`rigid.{name}`](api/{name}.rst) | {_summary(getattr(rigid, name))} |"
+            for name in names
         ]
     return "\n".join(lines) + "\n"
 
@@ -140,8 +183,9 @@ def validation_table() -> str:
     return "\n".join(lines) + "\n"
 
 
-def _first_sentence(name: str) -> str:
-    text = inspect.getdoc(getattr(rigid, name)) or ""
+def _summary(documented: object) -> str:
+    """The first sentence of a docstring, without its full stop."""
+    text = inspect.getdoc(documented) or ""
     return " ".join(text.partition("\n\n")[0].split()).rstrip(".").replace("``", "`")
 
 
@@ -154,22 +198,41 @@ def module_page(name: str) -> str:
         value = getattr(module, public)
         if inspect.isclass(value) or inspect.isroutine(value):
             (own if _home(value) in (full, None) else others).append(public)
-    lines = [full, "=" * len(full), "", f".. automodule:: {full}", "   :no-members:", ""]
-    lines += [f".. currentmodule:: {full}", ""]
-    lines += [
-        ".. autosummary::",
-        "   :toctree: generated",
-        "   :nosignatures:",
-        "",
-        *(f"   {item}" for item in own),
-        "",
-    ]
+    lines = [*_head(full), *_listed(own)]
     if others:
         elsewhere = ", ".join(f":obj:`~{_home(getattr(module, item))}.{item}`" for item in others)
         lines += [f"From other modules: {elsewhere}.", ""]
     if name == "figures":
         lines += ["Colours", "-------", "", ".. automodule:: rigid.drawing.colours", "   :members:"]
     return "\n".join(lines).rstrip() + "\n"
+
+
+def package_page() -> str:
+    """The page of the package: its text, and tables of its functions and classes by subject."""
+    title_of = {home: title for title, homes in SUBJECTS.items() for home in homes}
+    names: dict[str, list[str]] = {title: [] for title in SUBJECTS}
+    for public in rigid.__all__:
+        module = getattr(getattr(rigid, public), "__module__", None)
+        if module is not None:  # neither a module nor the version
+            homes = [home for home in title_of if module.startswith(f"rigid.{home}")]
+            names[title_of[max(homes, key=len)]].append(public)
+    lines = _head("rigid")
+    for title, own in names.items():
+        lines += [title, "-" * len(title), "", *_listed(own)]
+    return "\n".join(lines)
+
+
+def _head(module: str) -> list[str]:
+    """The begin of the page of a module."""
+    title = [module, "=" * len(module), ""]
+    text = [f".. automodule:: {module}", "   :no-members:", ""]
+    return [*title, *text, f".. currentmodule:: {module}", ""]
+
+
+def _listed(names: list[str]) -> list[str]:
+    """A table of functions and classes, each with its own page."""
+    options = [".. autosummary::", "   :toctree: generated", "   :nosignatures:", ""]
+    return [*options, *(f"   {name}" for name in names), ""]
 
 
 def _home(value: object) -> str | None:

@@ -222,7 +222,10 @@ impl Real for f64 {
     fn odd(n: f64) -> bool {
         (n + INTEGER_SHIFT).to_bits() & 1 == 1
     }
-    #[inline(never)]
+    // Only plain kernels are made of such numbers, and a function of its own keeps them small. Elsewhere a body alone is
+    // computed in such numbers, and the function would lack the fused products of its caller.
+    #[cfg_attr(plain, inline(never))]
+    #[cfg_attr(not(plain), inline(always))]
     fn outlined<W: Outlined>(work: W) -> W::Out {
         work.run()
     }

@@ -16,240 +16,142 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from . import exact
-from ._checks.moments import MomentsWarning
-from ._checks.progress import Interrupted, Progress
-from ._core import __version__
-from .citing import cite
-from .fits.fit import Fit, FitWarning, fit
-from .info import build_info
-from .maps.replay import Replay
-from .maps.samples import Outcomes, Starts
-from .maps.spec import MapSpec
-from .maps.vary import sample_bodies
-from .model.body import Body
-from .model.bounds import (
-    librates,
-    near_start,
-    pitch_within,
-    pointing_within,
-    rate_within,
-    returns,
-    roll_within,
-    spin_above,
-    tilt_between,
-    yaw_within,
-)
-from .model.criteria import no_flip, regular, tilt_below
-from .model.events import Event, crosses, turns
-from .model.forces import EnergySink
-from .model.judged import States, judged
-from .model.measures import (
-    drift,
-    flips,
-    largest_pitch,
-    largest_roll,
-    largest_tilt,
-    largest_yaw,
-    libration_amplitude,
-    mean_rate,
-    obliquity,
-    spin_orbit_ratio,
-    time_to_leave,
-    time_to_settle,
-)
-from .model.mixture import Mixture, mixture
-from .model.noise import (
-    Noise,
-    Samples,
-    direction,
-    normal,
-    samples,
-    uniform,
-    uniform_attitude,
-    von_mises_fisher,
-)
-from .model.orbit import Orbit, OrbitTable
-from .model.sampled import RotorTable
-from .model.scene import FreeBody, HeavyTop
-from .model.start import Start
-from .model.torque import Torque
-from .planning import plan
-from .reports.compute import report
-from .reports.data import Row
-from .reports.result import Report
-from .reports.scheme import Scheme, scheme
-from .reports.stress import Extremes, extremes
-from .sections.crossings import Crossings
-from .sections.poincare import poincare
-from .sections.surface import Section, section
-from .solve.attitude_ephemeris import AttitudeEphemeris, load_aem
-from .solve.chunks import simulate_chunks
-from .solve.events import Events
-from .solve.frequencies import FrequencyDrift, Lines, frequencies, frequency_drift
-from .solve.growth import Growth, LyapunovTime
-from .solve.lyapunov import lyapunov
-from .solve.methods import Method, methods
-from .solve.motion import Motion
-from .solve.plan import Plan
-from .solve.run import OrbitStates, Run
-from .solve.saved import load_run
-from .solve.simulate import simulate
-from .solve.status import Status
-from .solve.tangent import condition
-from .store.call import stability_map
-from .store.result import StabilityMap, load_map
+from . import exact as exact
+from ._checks.exported import exported as _exported
+from ._checks.moments import MomentsWarning as MomentsWarning
+from ._checks.progress import Interrupted as Interrupted
+from ._checks.progress import Progress as Progress
+from ._core import __version__ as __version__
+from .citing import cite as cite
+from .fits.fit import Fit as Fit
+from .fits.fit import FitWarning as FitWarning
+from .fits.fit import fit as fit
+from .info import build_info as build_info
+from .maps.replay import Replay as Replay
+from .maps.samples import Outcomes as Outcomes
+from .maps.samples import Starts as Starts
+from .maps.spec import MapSpec as MapSpec
+from .maps.vary import sample_bodies as sample_bodies
+from .model.body import Body as Body
+from .model.bounds import librates as librates
+from .model.bounds import near_start as near_start
+from .model.bounds import no_flip as no_flip
+from .model.bounds import pitch_within as pitch_within
+from .model.bounds import pointing_within as pointing_within
+from .model.bounds import rate_within as rate_within
+from .model.bounds import returns as returns
+from .model.bounds import roll_within as roll_within
+from .model.bounds import spin_above as spin_above
+from .model.bounds import tilt_below as tilt_below
+from .model.bounds import tilt_between as tilt_between
+from .model.bounds import yaw_within as yaw_within
+from .model.criteria import regular as regular
+from .model.events import Event as Event
+from .model.events import crosses as crosses
+from .model.events import turns as turns
+from .model.forces import EnergySink as EnergySink
+from .model.judged import States as States
+from .model.judged import judged as judged
+from .model.measures import drift as drift
+from .model.measures import flips as flips
+from .model.measures import largest_pitch as largest_pitch
+from .model.measures import largest_roll as largest_roll
+from .model.measures import largest_tilt as largest_tilt
+from .model.measures import largest_yaw as largest_yaw
+from .model.measures import libration_amplitude as libration_amplitude
+from .model.measures import mean_rate as mean_rate
+from .model.measures import obliquity as obliquity
+from .model.measures import spin_orbit_ratio as spin_orbit_ratio
+from .model.measures import time_to_leave as time_to_leave
+from .model.measures import time_to_settle as time_to_settle
+from .model.mixture import Mixture as Mixture
+from .model.mixture import mixture as mixture
+from .model.noise import Noise as Noise
+from .model.noise import Samples as Samples
+from .model.noise import direction as direction
+from .model.noise import normal as normal
+from .model.noise import samples as samples
+from .model.noise import uniform as uniform
+from .model.noise import uniform_attitude as uniform_attitude
+from .model.noise import von_mises_fisher as von_mises_fisher
+from .model.orbit import Orbit as Orbit
+from .model.orbit import OrbitTable as OrbitTable
+from .model.sampled import RotorTable as RotorTable
+from .model.scene import FreeBody as FreeBody
+from .model.scene import HeavyTop as HeavyTop
+from .model.start import Start as Start
+from .model.torque import Torque as Torque
+from .planning import plan as plan
+from .reports.compute import report as report
+from .reports.data import Row as Row
+from .reports.result import Report as Report
+from .reports.scheme import Scheme as Scheme
+from .reports.scheme import scheme as scheme
+from .reports.stress import Extremes as Extremes
+from .reports.stress import extremes as extremes
+from .sections.crossings import Crossings as Crossings
+from .sections.poincare import poincare as poincare
+from .sections.surface import Section as Section
+from .sections.surface import section as section
+from .solve.attitude_ephemeris import AttitudeEphemeris as AttitudeEphemeris
+from .solve.attitude_ephemeris import load_aem as load_aem
+from .solve.chunks import simulate_chunks as simulate_chunks
+from .solve.events import Events as Events
+from .solve.frequencies import FrequencyDrift as FrequencyDrift
+from .solve.frequencies import Lines as Lines
+from .solve.frequencies import frequencies as frequencies
+from .solve.frequencies import frequency_drift as frequency_drift
+from .solve.growth import Growth as Growth
+from .solve.growth import LyapunovTime as LyapunovTime
+from .solve.lyapunov import lyapunov as lyapunov
+from .solve.methods import Method as Method
+from .solve.methods import methods as methods
+from .solve.motion import Motion as Motion
+from .solve.plan import Plan as Plan
+from .solve.run import OrbitStates as OrbitStates
+from .solve.run import Run as Run
+from .solve.saved import load_run as load_run
+from .solve.simulate import simulate as simulate
+from .solve.status import Status as Status
+from .solve.tangent import condition as condition
+from .store.call import stability_map as stability_map
+from .store.result import StabilityMap as StabilityMap
+from .store.result import load_map as load_map
 
-if TYPE_CHECKING:
-    from . import (
-        animation,
-        earth,
-        figures,
-        fixed_axis,
-        frames,
-        free,
-        inertia,
-        meshes,
-        particles,
-        rotations,
-        solids,
-        springs,
-        statics,
-        top,
-        units,
-    )
-    from .literature.validation import Validation, validation
-    from .store.store import Store, diff, merge, open_store
+if TYPE_CHECKING:  # a type checker would take any name for a module
+    from . import animation as animation
+    from . import earth as earth
+    from . import figures as figures
+    from . import fixed_axis as fixed_axis
+    from . import frames as frames
+    from . import free as free
+    from . import inertia as inertia
+    from . import meshes as meshes
+    from . import particles as particles
+    from . import rotations as rotations
+    from . import solids as solids
+    from . import springs as springs
+    from . import statics as statics
+    from . import top as top
+    from . import units as units
+    from .literature.validation import Validation as Validation
+    from .literature.validation import validation as validation
+    from .store.store import Store as Store
+    from .store.store import diff as diff
+    from .store.store import merge as merge
+    from .store.store import open_store as open_store
 
-__all__ = [
-    "AttitudeEphemeris",
-    "Body",
-    "Crossings",
-    "EnergySink",
-    "Event",
-    "Events",
-    "Extremes",
-    "Fit",
-    "FitWarning",
-    "FreeBody",
-    "FrequencyDrift",
-    "Growth",
-    "HeavyTop",
-    "Interrupted",
-    "Lines",
-    "LyapunovTime",
-    "MapSpec",
-    "Method",
-    "Mixture",
-    "MomentsWarning",
-    "Motion",
-    "Noise",
-    "Orbit",
-    "OrbitStates",
-    "OrbitTable",
-    "Outcomes",
-    "Plan",
-    "Progress",
-    "Replay",
-    "Report",
-    "RotorTable",
-    "Row",
-    "Run",
-    "Samples",
-    "Scheme",
-    "Section",
-    "StabilityMap",
-    "Start",
-    "Starts",
-    "States",
-    "Status",
-    "Store",
-    "Torque",
-    "Validation",
-    "__version__",
-    "animation",
-    "build_info",
-    "cite",
-    "condition",
-    "crosses",
-    "diff",
-    "direction",
-    "drift",
-    "earth",
-    "exact",
-    "extremes",
-    "figures",
-    "fit",
-    "fixed_axis",
-    "flips",
-    "frames",
-    "free",
-    "frequencies",
-    "frequency_drift",
-    "inertia",
-    "judged",
-    "largest_pitch",
-    "largest_roll",
-    "largest_tilt",
-    "largest_yaw",
-    "librates",
-    "libration_amplitude",
-    "load_aem",
-    "load_map",
-    "load_run",
-    "lyapunov",
-    "mean_rate",
-    "merge",
-    "meshes",
-    "methods",
-    "mixture",
-    "near_start",
-    "no_flip",
-    "normal",
-    "obliquity",
-    "open_store",
-    "particles",
-    "pitch_within",
-    "plan",
-    "poincare",
-    "pointing_within",
-    "rate_within",
-    "regular",
-    "report",
-    "returns",
-    "roll_within",
-    "rotations",
-    "sample_bodies",
-    "samples",
-    "scheme",
-    "section",
-    "simulate",
-    "simulate_chunks",
-    "solids",
-    "spin_above",
-    "spin_orbit_ratio",
-    "springs",
-    "stability_map",
-    "statics",
-    "tilt_below",
-    "tilt_between",
-    "time_to_leave",
-    "time_to_settle",
-    "top",
-    "turns",
-    "uniform",
-    "uniform_attitude",
-    "units",
-    "validation",
-    "von_mises_fisher",
-    "yaw_within",
-]
+_MODULES = (
+    *("animation", "earth", "figures", "fixed_axis", "frames", "free", "inertia", "meshes"),
+    *("particles", "rotations", "solids", "springs", "statics", "top", "units"),
+)
+_LATER = {
+    **dict.fromkeys(("Store", "diff", "merge", "open_store"), ".store.store"),
+    **dict.fromkeys(("Validation", "validation"), ".literature.validation"),
+}
+__all__ = sorted({"__version__", "exact", *_exported(globals()), *_MODULES, *_LATER})
 
-if not TYPE_CHECKING:  # a type checker would take any name for a module
-    _LATER = {
-        **dict.fromkeys(("Store", "diff", "merge", "open_store"), ".store.store"),
-        **dict.fromkeys(("Validation", "validation"), ".literature.validation"),
-    }
+if not TYPE_CHECKING:
 
     def __getattr__(name: str) -> object:
         """Modules, and what runs stored maps or the literature, are imported when first named."""
@@ -257,10 +159,10 @@ if not TYPE_CHECKING:  # a type checker would take any name for a module
 
         if name in _LATER:
             return getattr(import_module(_LATER[name], __name__), name)
-        if name in __all__:
+        if name in _MODULES:
             return import_module(f".{name}", __name__)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return __all__

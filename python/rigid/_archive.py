@@ -12,7 +12,6 @@ import math
 import os
 import zipfile
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -41,16 +40,9 @@ class DamageError(FileError):
     """What is damaged in a file."""
 
 
-def write_archive(
-    path: str | os.PathLike[str],
-    arrays: Mapping[str, Any],
-    others: Mapping[str, str] = MappingProxyType({}),
-) -> None:
-    """Write arrays by their names into one file, which appears whole or not at all.
-
-    ``others`` says what writes them to files of other endings.
-    """
-    with published(path, ARRAYS, others) as whole:
+def write_archive(path: str | os.PathLike[str], arrays: Mapping[str, Any]) -> None:
+    """Write arrays by their names into one file, which appears whole or not at all."""
+    with published(path, ARRAYS) as whole:
         with zipfile.ZipFile(whole, "w", zipfile.ZIP_STORED) as archive:
             for name, values in arrays.items():
                 entry = zipfile.ZipInfo(f"{name}.npy", _EPOCH)

@@ -10,86 +10,14 @@ from .maps.core_request import CoreRequest
 from .model.bodies import Bodies
 from .solve.request import Request
 
-__all__ = [
-    "BODIES_OF_A_FUNCTION",
-    "BODIES_OF_A_ROW",
-    "CHECKPOINT_PARTS",
-    "DRIFT_LIMIT",
-    "ELSEWHERE",
-    "FEWEST_STEPS",
-    "FIXED_POINT",
-    "LEAST_STATE",
-    "LEAST_UNDER_FUNCTION",
-    "MOST_STATES",
-    "ROUNDING",
-    "SERIES_TOLERANCE",
-    "Forces",
-    "MapJob",
-    "MapStatistics",
-    "Motion",
-    "States",
-    "__version__",
-    "agreed_classes",
-    "available_threads",
-    "build_info",
-    "change_places",
-    "check_method",
-    "check_moments",
-    "chosen_methods",
-    "class_names",
-    "clopper_pearson",
-    "closed_form_names",
-    "closed_forms",
-    "closed_forms_for",
-    "deviates",
-    "deviation_starts",
-    "distances",
-    "elliptic",
-    "errors_of_closed_forms",
-    "fastest_rates",
-    "first_not_finite",
-    "first_slow",
-    "first_tolerance",
-    "flip_times",
-    "free_quantities",
-    "generic_deviations",
-    "growth",
-    "in_standard_floats",
-    "is_set",
-    "lagrange_axes",
-    "listen",
-    "map_columns",
-    "methods",
-    "moment_status",
-    "moment_status_names",
-    "nearest_possible",
-    "orbit_anomalies",
-    "plain_numbers",
-    "planned_steps",
-    "principal_axes",
-    "rate_units",
-    "saddles",
-    "section",
-    "simulate",
-    "solve",
-    "spline",
-    "state_bytes",
-    "status_names",
-    "tilt_times",
-    "top_quantities",
-    "unit_quaternions",
-    "unknown_outcomes",
-    "verdicts",
-]
-
 BODIES_OF_A_FUNCTION: int
 BODIES_OF_A_ROW: int
 CHECKPOINT_PARTS: Sequence[int]
+CROSSING_TOLERANCE: float
 DRIFT_LIMIT: float
 ELSEWHERE: float
 FEWEST_STEPS: float
 FIXED_POINT: float
-LEAST_STATE: float
 LEAST_UNDER_FUNCTION: float
 MOST_STATES: int
 ROUNDING: float
@@ -158,7 +86,6 @@ def growth(
     *,
     method: str,
     deviations: NDArray[np.float64],
-    scale: NDArray[np.float64],
     of_attitude: bool,
     times: NDArray[np.float64],
     step: NDArray[np.float64],
@@ -169,13 +96,12 @@ def section(
     bodies: Bodies,
     *,
     method: str,
-    kinds: Sequence[tuple[bool, int, bool]],
-    pointing: NDArray[np.float64],
-    functions: Sequence[tuple[int, bool]],
+    kinds: Sequence[tuple[bool, int, bool, NDArray[np.float64], bool, tuple[int, bool]]],
     surfaces: NDArray[np.float64],
     ends: NDArray[np.float64],
     count: int,
     closed: bool,
+    check: bool,
     tolerance: float,
     max_steps: int,
     threads: int,
@@ -272,7 +198,7 @@ class Motion:
         attitude_before: NDArray[np.float64],
     ) -> None: ...
 
-def change_places() -> tuple[dict[str, int], int]: ...
+def further_forces() -> tuple[dict[str, tuple[str, int, int]], int]: ...
 def spline(
     knots: NDArray[np.float64], samples: NDArray[np.float64], times: NDArray[np.float64]
 ) -> NDArray[np.float64]: ...
@@ -309,7 +235,6 @@ class Forces:
     def calls(self) -> bool: ...
     @property
     def states(self) -> int: ...
-    def places(self, times: NDArray[np.float64]) -> NDArray[np.float64]: ...
     def kinds(self, bodies: int) -> NDArray[np.uint64]: ...
     def damping_rates(self, moments: NDArray[np.float64]) -> NDArray[np.float64]: ...
 

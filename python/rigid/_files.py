@@ -8,7 +8,6 @@ import re
 import stat
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from types import MappingProxyType
 from typing import BinaryIO
 
 try:
@@ -55,35 +54,25 @@ def require_replaceable(path: str | os.PathLike[str]) -> int | None:
 ARRAYS, MAP, TABLE = (".npz",), (".npz", ".zarr"), (".csv", ".txt")
 """Endings of the names of files of arrays, of maps, and of comma-separated texts."""
 
-OTHERS: Mapping[str, str] = {
-    ".csv": "to_csv writes a table",
-    ".nc": "to_xarray().to_netcdf writes netCDF",
+_OTHERS: Mapping[str, str] = {
+    ".csv": "; to_csv of a run, a map or points writes a table",
+    ".nc": "; to_xarray().to_netcdf of a run, a map or points writes netCDF",
 }
-"""What else writes a run, a map or points, to a file whose name ends like this."""
+"""What writes other files than archives of arrays, whose names end like this."""
 
 
 def require_ending(
-    path: str | os.PathLike[str],
-    endings: Sequence[str],
-    name: str = "path",
-    others: Mapping[str, str] = MappingProxyType({}),
+    path: str | os.PathLike[str], endings: Sequence[str], name: str = "path"
 ) -> None:
-    """Raise ValueError if a name promises another kind of file than the one that is written.
-
-    ``others`` says what writes files of other endings.
-    """
+    """Raise ValueError if a name promises another kind of file than the one that is written."""
     ending = os.path.splitext(path)[1].lower()
     if ending not in endings:
-        other = f"; {others[ending]}" if ending in others else ""
+        other = _OTHERS.get(ending, "") if ".npz" in endings else ""
         raise ValueError(f"{name} = {os.fspath(path)!r}: must end in {' or '.join(endings)}{other}")
 
 
 @contextmanager
-def published(
-    path: str | os.PathLike[str],
-    endings: Sequence[str] = (),
-    others: Mapping[str, str] = MappingProxyType({}),
-) -> Iterator[BinaryIO]:
+def published(path: str | os.PathLike[str], endings: Sequence[str] = ()) -> Iterator[BinaryIO]:
     """A new file, open to write bytes; it gets its name when it is whole and on the disk.
 
     The bytes go to a scratch file with another name in the same folder. At the end the scratch file
@@ -97,8 +86,6 @@ def published(
         The file: a new name, or the name of a regular file.
     endings : sequence of str
         With which of these the name must end; by default any.
-    others : mapping
-        What writes files of other endings, for the message.
 
     Raises
     ------
@@ -110,7 +97,7 @@ def published(
         Naming ``path``, if the file cannot be written.
     """
     if endings:
-        require_ending(path, endings, others=others)
+        require_ending(path, endings)
     target = os.fspath(path)
     with _naming(target), _scratch(target) as (scratch, file):
         yield file

@@ -13,7 +13,7 @@ use crate::trajectory::{StatesPart, time_range};
 use std::collections::BTreeMap;
 
 /// Factor from the difference of two runs to the stated error.
-const SAFETY: f64 = 3.0;
+pub const SAFETY: f64 = 3.0;
 
 /// Factor for the finer of two runs, if its error is a quarter of the error of the other.
 const SAFETY_OF_FINER: f64 = 2.0;
@@ -22,7 +22,7 @@ const SAFETY_OF_FINER: f64 = 2.0;
 const BETWEEN: f64 = 64.0;
 
 /// Bodies judged between two questions whether to stop.
-const BETWEEN_QUESTIONS: usize = 64;
+pub const BETWEEN_QUESTIONS: usize = 64;
 
 /// States of the bodies of a batch: those of all, or the rows of its bodies.
 #[derive(Clone, Copy)]

@@ -2,13 +2,16 @@
 //!
 //! A run is compared with another one, by shorter steps or by a larger tolerance (`second_run`, `tolerances`); from their
 //! distance its error follows (`comparison`). A body whose error is above the accuracy is run again. No number of a body
-//! depends on the bodies beside it: the same kinds of forces act on all of a request.
+//! depends on the bodies beside it: the same kinds of forces act on all of a request. The times at which bodies cross surfaces
+//! have errors of their own (`crossings`).
 
 mod batch;
 mod comparison;
+mod crossings;
 mod second_run;
 mod tolerances;
 
+pub use crossings::{CROSSING_TOLERANCE, crossings};
 pub use second_run::ELSEWHERE;
 pub use tolerances::{LEAST_UNDER_FUNCTION, SERIES_TOLERANCE, first_tolerance};
 

@@ -20,7 +20,7 @@ pub const HALVINGS_AGAIN: f64 = 4.0;
 /// The second run of a run by tolerance divides the tolerance by this.
 ///
 /// Series of different order may err alike at tolerances that are alike.
-const TIGHTER: f64 = 1000.0;
+pub const TIGHTER: f64 = 1000.0;
 
 /// Least tolerance of a second run.
 const FINEST: f64 = 1e-20;

@@ -5,7 +5,7 @@ use super::body_rows::BodyRows;
 use crate::error::{Error, refuse};
 use crate::kinematics::{attitude_of_rows, dot, squared_length};
 use crate::memory;
-use crate::real::{Outlined, Real};
+use crate::real::Real;
 use crate::simd::{LANES, Row};
 use std::ptr;
 
@@ -535,10 +535,8 @@ impl<R: Real> TorqueCalls<'_, R> {
             place[k].store(&mut told.numbers[PLACE + k]);
         }
         if of_root {
-            // Here nothing is left in registers that the call would spill in every step. For a body alone it is no call: a
-            // function of its own would not have the instructions of the kernel.
-            let root = PlaceOfRoot(*place);
-            let place = if const { R::LANES == 1 } { root.run() } else { R::outlined(root) };
+            // Here nothing is left in registers that the call would spill in every step.
+            let place = R::outlined(PlaceOfRoot(*place));
             for k in 0..3 {
                 place[k].store(&mut told.numbers[PLACE + k]);
             }

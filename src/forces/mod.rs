@@ -193,9 +193,9 @@ macro_rules! forces {
             pub const LEN: usize = before(NUMBERS, NUMBERS.len());
             /// How many variables all forces have.
             pub const VARIABLES: usize = before(VARIABLES, VARIABLES.len());
-            /// The forces by name, with the places of their numbers.
-            pub const NAMES: &[(&str, std::ops::Range<usize>)] =
-                &[$((stringify!($name), places(Place::$name as usize)),)*];
+            /// The forces by name, with their words in messages and the places of their numbers.
+            pub const LIST: &[(&str, &str, std::ops::Range<usize>)] =
+                &[$((stringify!($name), $word, places(Place::$name as usize)),)*];
 
             /// The forces with these numbers, or the change of their numbers by these.
             pub fn of(numbers: &[f64; Further::LEN]) -> Self {
@@ -429,7 +429,7 @@ mod tests {
     #[test]
     fn numbers_of_forces_are_checked() {
         let mut numbers = [0.0; Further::LEN];
-        let at = |name: &str| Further::NAMES.iter().find(|(own, _)| *own == name).unwrap().1.clone();
+        let at = |name: &str| Further::LIST.iter().find(|(own, ..)| *own == name).unwrap().2.clone();
         numbers[at("rotor")].copy_from_slice(&[1.0, 2.0, 3.0]);
         numbers[at("dissipation")].copy_from_slice(&[0.0, 0.1, 0.2]);
         numbers[at("drag")].copy_from_slice(&[0.3, 0.0, 0.4]);

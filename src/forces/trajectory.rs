@@ -39,7 +39,7 @@ fn add_gradient<R: Real>([i1, i2, i3]: &[R; 3], products: &[R; 3], torque: &mut 
     torque[2] = (*i2 - *i1).fma(products[2], torque[2]);
 }
 
-/// The place in space where c is this, over the length `gm^(1/3)`; zero where c is. In a function of its own.
+/// The place in space where c is this, over the length `gm^(1/3)`; zero where c is.
 pub struct PlaceOfRoot<R>(pub [R; 3]);
 
 impl<R: Real> Outlined for PlaceOfRoot<R> {

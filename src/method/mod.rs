@@ -45,21 +45,25 @@ use crate::kinematics::{direction, direction_rate, dot, doubled_attitude_rate, p
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters, ROWS_LEN, Scene, in_rows, quaternion};
 
-/// The list of all methods, by the module of their constants.
+/// The list of all methods: families, the modules of their constants, and these.
 macro_rules! methods {
-    ($($module:ident: $($name:ident)*;)*) => {
+    ($($family:literal, $module:ident: $($name:ident)*;)*) => {
         $(pub use $module::{$($name),*};)*
 
         /// All methods, in the order in which they are listed to users.
         pub const ALL: &[&Method] = &[$($(&$name),*),*];
+        /// The methods of each family.
+        pub const FAMILIES: &[(&str, &[&Method])] = &[$(($family, &[$(&$name),*])),*];
     };
 }
 methods! {
-    runge_kutta: RK4 DOP853;
-    taylor: TAYLOR12 TAYLOR16 TAYLOR20 TAYLOR26;
-    compositions: SPLITTING SPLITTING4 SPLITTING8 CHIN4A PMLF4 PMLF6 DMV2 DMV10;
-    exponential: ETD4;
-    midpoint: MIDPOINT;
+    "Runge–Kutta", runge_kutta: RK4 DOP853;
+    "Taylor series", taylor: TAYLOR12 TAYLOR16 TAYLOR20 TAYLOR26;
+    "splitting", compositions: SPLITTING SPLITTING4 SPLITTING8;
+    "free motion and kicks", compositions: CHIN4A PMLF4 PMLF6;
+    "Moser–Veselov", compositions: DMV2 DMV10;
+    "exponential", exponential: ETD4;
+    "midpoint rule", midpoint: MIDPOINT;
 }
 
 /// Every step of every method, each once.
@@ -425,7 +429,7 @@ impl Method {
     pub fn forces(&self) -> Vec<&'static str> {
         let Some(forced) = self.forced else { return Vec::new() };
         let facts = forced.step.engine.facts();
-        let further = Further::NAMES.iter().map(|(name, _)| *name).filter(|_| facts.moves_further);
+        let further = Further::LIST.iter().map(|(name, ..)| *name).filter(|_| facts.moves_further);
         let function = facts.of_function.moves.then_some("function");
         ["torque", "damping"].into_iter().chain(further).chain(function).collect()
     }

@@ -65,8 +65,8 @@ fn further(given: &ByName<Aligned2<'_, f64>>) -> Result<Vec<[f64; Further::LEN]>
     let none = std::iter::repeat_n([0.0; Further::LEN], bodies);
     let mut all = memory::collected("forces", bodies, none)?;
     for (name, numbers) in given {
-        let (numbers, known) = (numbers.as_array(), Further::NAMES.iter().find(|(own, _)| own == name));
-        let places = known.map_or(0..0, |(_, places)| places.clone());
+        let (numbers, known) = (numbers.as_array(), Further::LIST.iter().find(|(own, ..)| own == name));
+        let places = known.map_or(0..0, |(.., places)| places.clone());
         if numbers.ncols() != places.len() || ![1, bodies].contains(&numbers.nrows()) {
             let (expected, got) = (format!("({bodies}, {})", places.len()), format!("{:?}", numbers.shape()));
             return Err(Error::Shape { argument: "forces", expected, got });
@@ -79,11 +79,15 @@ fn further(given: &ByName<Aligned2<'_, f64>>) -> Result<Vec<[f64; Further::LEN]>
     Ok(all)
 }
 
-/// Where the numbers of each further force begin among those of a change of the parameters, and the length of the change.
+/// Each further force: its words, how many numbers it has, and where these begin among those of a change of the parameters; and
+/// the length of the change.
 #[pyfunction]
-pub fn change_places() -> (HashMap<&'static str, usize>, usize) {
-    let places = Further::NAMES.iter().map(|(name, places)| (*name, ParameterChange::OWN + places.start));
-    (places.collect(), ParameterChange::LEN)
+#[allow(clippy::type_complexity)]
+pub fn further_forces() -> (HashMap<&'static str, (&'static str, usize, usize)>, usize) {
+    let facts = Further::LIST
+        .iter()
+        .map(|(name, words, places)| (*name, (*words, places.len(), ParameterChange::OWN + places.start)));
+    (facts.collect(), ParameterChange::LEN)
 }
 
 /// Cosine and sine of the eccentric anomaly, hyperbolic on a hyperbola, (n, 2), of orbits with these numbers at these times, (n, 9) and (n,).
@@ -174,19 +178,6 @@ impl PyForces {
     #[getter]
     fn calls(&self) -> bool {
         self.0.of(0).function.is_some()
-    }
-
-    /// What functions are told of the places of bodies in space at times, (n, m): (n, m, 3).
-    fn places<'py>(&self, py: Python<'py>, times: Aligned2<'py, f64>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let _standard = FloatEnvironment::standard();
-        let times = times.as_array();
-        let [bodies, count] = [times.nrows(), times.ncols()];
-        if self.0.bodies() > 1 {
-            same_length("t", self.0.bodies(), bodies)?;
-        }
-        let places = times.indexed_iter().map(|((body, _), &time)| self.0.of(body).place(time));
-        let places = memory::collected("places", times.len(), places)?.into_flattened();
-        places.into_pyarray(py).reshape([bodies, count, 3])
     }
 
     /// How many states of its own a function has for each body.

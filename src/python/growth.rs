@@ -19,17 +19,15 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyUntyped
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Growth of deviation vectors, so many a body, at positive times; see `rigid.lyapunov`. `scale` is the unit of the
-/// rates of each body.
+/// Growth of deviation vectors, so many a body, at positive times; see `rigid.lyapunov`.
 #[pyfunction]
-#[pyo3(signature = (bodies, *, method, deviations, scale, of_attitude, times, step, max_steps, threads))]
+#[pyo3(signature = (bodies, *, method, deviations, of_attitude, times, step, max_steps, threads))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, array by array.
 pub fn growth<'py>(
     py: Python<'py>,
     bodies: Bodies<'py>,
     method: &str,
     deviations: Aligned2<'py, f64>,
-    scale: Aligned1<'py, f64>,
     of_attitude: bool,
     times: Aligned1<'py, f64>,
     step: Aligned1<'py, f64>,
@@ -41,8 +39,7 @@ pub fn growth<'py>(
     let given = &bodies.all()?;
     let n = given.len();
     let forces = bodies.forces(n)?;
-    let (times, scale) = (copied("times", &times)?, copied("scale", &scale)?);
-    same_length("scale", n, scale.len())?;
+    let times = copied("times", &times)?;
     let starts = rows::<6>("deviations", &deviations)?;
     let count = starts.len().checked_div(n).unwrap_or(1);
     if starts.len() != n * count || !(1..=MAX_DEVIATIONS).contains(&count) {
@@ -51,7 +48,7 @@ pub fn growth<'py>(
     }
     let each = starts.iter().enumerate().map(|(index, &start)| Deviation {
         start,
-        inverse_scale: [1.0 / scale[index / count]; 3],
+        inverse_scale: [1.0 / given[index / count].rate_unit(); 3],
         of_attitude,
     });
     let each = memory::collected("deviations", starts.len(), each)?;

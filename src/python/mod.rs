@@ -55,7 +55,7 @@ mod _core {
     #[pymodule_export]
     use super::exact::{elliptic, flip_times, free_quantities_of, saddles, tilt_times, top_quantities_of};
     #[pymodule_export]
-    use super::forces::{PyForces, change_places, orbit_anomalies, spline};
+    use super::forces::{PyForces, further_forces, orbit_anomalies, spline};
     #[pymodule_export]
     use super::growth::{deviation_starts, generic_deviations, growth, rate_units, verdicts};
     #[pymodule_export]
@@ -95,9 +95,6 @@ mod _core {
     /// Most states of a body whose rates of change a function returns.
     #[pymodule_export]
     const MOST_STATES: usize = crate::forces::MOST_STATES;
-    /// Least size to which an error of such a state is relative.
-    #[pymodule_export]
-    const LEAST_STATE: f64 = crate::forces::SMALL_STATE[1];
 
     /// Error of a closed form for each radian that a body turns.
     #[pymodule_export]
@@ -108,6 +105,10 @@ mod _core {
     const SERIES_TOLERANCE: f64 = crate::accuracy::SERIES_TOLERANCE;
     #[pymodule_export]
     const LEAST_UNDER_FUNCTION: f64 = crate::accuracy::LEAST_UNDER_FUNCTION;
+
+    /// The tolerance at which rounding alone is left in the times of crossings.
+    #[pymodule_export]
+    const CROSSING_TOLERANCE: f64 = crate::accuracy::CROSSING_TOLERANCE;
 
     /// Factor by which the longest step under a function is shorter in a second run by a tolerance.
     #[pymodule_export]
@@ -165,11 +166,12 @@ fn build_info(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 /// Properties of the methods, one dict a method.
 #[pyfunction]
 fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
-    let describe = |method: &Method| {
+    let describe = |(family, method): (&str, &Method)| {
         let facts = method.facts;
         let entry = PyDict::new(py);
         entry.set_item("name", facts.name)?;
         entry.set_item("title", facts.title)?;
+        entry.set_item("family", family)?;
         entry.set_item("order", facts.order)?;
         entry.set_item("stages", facts.stages)?;
         entry.set_item("symplectic", facts.symplectic)?;
@@ -190,7 +192,9 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         entry.set_item("doi", facts.doi)?;
         Ok(entry)
     };
-    method::ALL.iter().copied().map(describe).collect()
+    let methods =
+        method::FAMILIES.iter().flat_map(|(family, own)| own.iter().map(move |&one| (*family, one)));
+    methods.map(describe).collect()
 }
 
 /// The names of the methods that are chosen by default: without a closed form, for the samples of a map, to cross-check

@@ -2,53 +2,56 @@
 
 use super::bodies::Bodies;
 use super::convert::{Aligned1, Aligned2, column, copied, interruptible_calls, rows, same_length};
+use crate::accuracy::crossings;
 use crate::call::Call;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::{Code, MOST_STATES, TorqueCall};
 use crate::memory;
-use crate::method::{AnyMethod, Method, default_step};
+use crate::method::{AnyMethod, Method};
 use crate::parallel::Interrupt;
 use crate::simd::Isa;
 use crate::trajectory::{
-    self, Crossings, Point, Pointing, Record, Request, Schedule, Section, Surface, SurfaceKind,
+    Crossings, Point, Pointing, Record, Request, Schedule, Section, Surface, SurfaceKind, default_steps,
 };
 use numpy::ndarray::Array2;
-use numpy::{Element, IntoPyArray, PyArray1};
+use numpy::{Element, IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::array::from_fn;
+use std::iter::repeat_n;
 
 /// Numbers of a surface.
 const OF_SURFACE: usize = 11 + MOST_STATES;
 
-/// The points at which bodies cross their surfaces until a time; see `rigid.poincare` and `rigid.simulate`. A kind of
-/// surface is whether it is of a rate, its direction, and whether its points count, with its row of `pointing`: two pairs of
-/// a body axis and a direction, zeros without any, and 1 if the directions are those of the orbit; and with the address of a
-/// function in place of the surface and whether it is told eight bodies at once, 0 without any. The surfaces of each body are
-/// neighbours, each a row of the numbers of `Surface`.
+/// A kind of surface: whether it is of a rate, its direction, and whether its points count; two pairs of a body axis and a
+/// direction, zeros without any, and whether the directions are those of the orbit; the address of a function in place of the
+/// surface, 0 without any, and whether it is told eight bodies at once.
+type GivenKind = (bool, i8, bool, [[[f64; 3]; 2]; 2], bool, (usize, bool));
+
+/// The points at which bodies cross their surfaces until a time, with the errors of the times; see `rigid.poincare` and
+/// `rigid.simulate`. The surfaces of each body are neighbours, each a row of the numbers of `Surface`.
 #[pyfunction]
-#[pyo3(signature = (bodies, *, method, kinds, pointing, functions, surfaces, ends, count, closed, tolerance, max_steps, threads))]
+#[pyo3(signature = (bodies, *, method, kinds, surfaces, ends, count, closed, check, tolerance, max_steps, threads))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, array by array.
 pub fn section<'py>(
     py: Python<'py>,
     bodies: Bodies<'py>,
     method: &str,
-    kinds: Vec<(bool, i8, bool)>,
-    pointing: Aligned2<'py, f64>,
-    functions: Vec<(usize, bool)>,
+    kinds: Vec<GivenKind>,
     surfaces: Aligned2<'py, f64>,
     ends: Aligned1<'py, f64>,
     count: usize,
     closed: bool,
+    check: bool,
     tolerance: f64,
     max_steps: u64,
     threads: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
     let _standard = FloatEnvironment::standard();
     let (scene, method, isa) = (bodies.scene()?, Method::parse(method)?, Isa::current()?);
-    let given = &bodies.all()?;
-    let n = given.len();
+    let all = &bodies.all()?;
+    let n = all.len();
     let forces = bodies.forces(n)?;
     let (numbers, ends) = (rows::<OF_SURFACE>("surfaces", &surfaces)?, copied("ends", &ends)?);
     same_length("surfaces", n * kinds.len(), numbers.len())?;
@@ -61,49 +64,40 @@ pub fn section<'py>(
         value: row[10 + MOST_STATES],
     };
     let surfaces = &memory::collected("surfaces", numbers.len(), numbers.iter().map(surface))?;
-    let kind = |((&(of_rate, direction, counts), row), (address, is_of_eight))| {
-        let row: &[f64; 13] = row;
-        let [first, second, third, fourth] =
-            [0, 1, 2, 3].map(|k| [row[3 * k], row[3 * k + 1], row[3 * k + 2]]);
-        let pairs = [[first, second], [third, fourth]];
-        let pointing = (first != [0.0; 3]).then_some(Pointing { pairs, in_orbit: row[12] != 0.0 });
+    let kind = |&(of_rate, direction, counts, pairs, in_orbit, (address, is_of_eight)): &GivenKind| {
+        let pointing = (pairs[0][0] != [0.0; 3]).then_some(Pointing { pairs, in_orbit });
         let code = Code { address, is_of_eight, is_long: true };
         // SAFETY: what `rigid.crosses` asks of its caller.
         let function = (address > 0).then(|| unsafe { TorqueCall::without_numbers(code) });
         SurfaceKind { of_rate, direction, counts, pointing, function }
     };
-    let pointings = rows::<13>("pointing", &pointing)?;
-    same_length("pointing", kinds.len(), pointings.len())?;
-    same_length("functions", kinds.len(), functions.len())?;
-    let kinds = kinds.iter().zip(pointings).zip(functions).map(kind);
-    let kinds = &memory::collected("surfaces", pointings.len(), kinds)?;
-    let bodies = given;
-    let own = bodies.iter().zip(&ends).enumerate();
-    let own =
-        own.map(|(i, (body, &end))| default_step(method, body.step_rate(method, forces.of(i), [0.0, end])));
-    let steps = &memory::collected("steps", n, own)?;
+    let kinds = &memory::collected("surfaces", kinds.len(), kinds.iter().map(kind))?;
+    let schedule = Schedule::TimesOfEach(&ends, 1);
+    let steps = &default_steps(method, all, forces, &schedule)?;
     let request = Request {
-        bodies,
+        bodies: all,
         scene,
         forces,
         method: AnyMethod::Steps(method),
         record: Record::Attitude,
-        schedule: Schedule::TimesOfEach(&ends, 1),
+        schedule,
         steps,
         refinement: 1.0,
         tolerance: Some(tolerance),
         max_steps,
     };
-    let section = Section { kinds, surfaces, count, ends: &ends, closed };
-    let run = |stop: &Interrupt| {
-        stop.expect(n, 0..n);
-        trajectory::section(&request, method, &section, Call { isa, threads, stop })
-    };
+    let section = Section { kinds, surfaces, count, closed };
+    let run = |stop: &Interrupt| crossings(&request, method, &section, check, Call { isa, threads, stop });
     let calls = forces.of(0).function.is_some() || kinds.iter().any(|kind| kind.function.is_some());
-    to_dict(py, &interruptible_calls(py, None, calls, run)??)
+    to_dict(py, &interruptible_calls(py, None, calls, run)??, (kinds.len(), forces.states_of_function()))
 }
 
-fn to_dict<'py>(py: Python<'py>, all: &[Crossings]) -> PyResult<Bound<'py, PyDict>> {
+/// The columns of the points and of the bodies, for so many kinds of surfaces and states.
+fn to_dict<'py>(
+    py: Python<'py>,
+    all: &[Crossings],
+    (kinds, states): (usize, usize),
+) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     let count = all.iter().map(|own| own.points.len()).sum::<usize>();
     let points = || all.iter().flat_map(|own| &own.points);
@@ -115,13 +109,19 @@ fn to_dict<'py>(py: Python<'py>, all: &[Crossings]) -> PyResult<Bound<'py, PyDic
     dict.set_item("omega", flat(3, |point, k| point.omega[k])?.into_pyarray(py))?;
     dict.set_item("gamma", flat(3, |point, k| point.gamma[k])?.into_pyarray(py))?;
     dict.set_item("attitude", flat(4, |point, k| point.attitude[k])?.into_pyarray(py))?;
-    dict.set_item("states", flat(MOST_STATES, |point, k| point.states[k])?.into_pyarray(py))?;
+    dict.set_item("states", flat(states, |point, k| point.states[k])?.into_pyarray(py))?;
     dict.set_item("t", of_points(py, all, |point| point.time)?)?;
-    dict.set_item("slope", of_points(py, all, |point| point.slope)?)?;
+    dict.set_item("slope", of_points(py, all, |point| point.slope / point.share)?)?;
+    dict.set_item("error", of_points(py, all, |point| point.error)?)?;
     dict.set_item("kind", of_points(py, all, |point| point.kind)?)?;
     dict.set_item("direction", of_points(py, all, |point| point.direction)?)?;
     dict.set_item("grazing", of_points(py, all, |point| point.grazes)?)?;
-    dict.set_item("points", column(py, all, |own| own.points.len() as u64)?)?;
+    let body = all.iter().enumerate().flat_map(|(body, own)| repeat_n(body as isize, own.points.len()));
+    dict.set_item("body", memory::collected("points", count, body)?.into_pyarray(py))?;
+    let complete = all.iter().flat_map(|own| (0..kinds).map(|kind| own.are_complete(kind)));
+    let complete = memory::collected("bodies", all.len() * kinds, complete)?;
+    dict.set_item("complete", complete.into_pyarray(py).reshape([all.len(), kinds])?)?;
+    dict.set_item("lost_from", column(py, all, |own| own.lost_from)?)?;
     dict.set_item("status", column(py, all, |own| own.status as u8)?)?;
     dict.set_item("stays", column(py, all, |own| own.stays)?)?;
     dict.set_item("stopped", column(py, all, |own| own.stopped)?)?;

@@ -19,7 +19,9 @@ pub use frame::{Frame, MAX_DEVIATIONS};
 pub use growth::{Deviations, Growths, STEPS_TOGETHER, growth, renormalise};
 pub use motion::{Motion, NUMBERS, Torques};
 pub use request::{Record, Request, Schedule, default_steps, time_range};
-pub use section::{Crossings, Point, Pointing, Section, Surface, SurfaceKind, section};
+pub use section::{
+    Crossings, MOST_KINDS, Point, Pointing, Section, Surface, SurfaceKind, look_again, section,
+};
 pub use states::{Column, States, StatesPart};
 
 use crate::body::Body;

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from map_texts import SMALL
+from rigid.model import compiling
 
 
 @pytest.fixture(scope="session")
@@ -44,6 +45,23 @@ def folder(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.M
     (tmp_path / "small.toml").write_text(getattr(request.module, "SPEC", SMALL))
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.fixture
+def no_numba(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As if numba were not installed: Python calls its functions, and none was compiled before."""
+    monkeypatch.setitem(sys.modules, "numba", None)
+    monkeypatch.setattr(compiling, "_made", compiling._made.__wrapped__)
+
+
+@pytest.fixture(params=["called", "compiled"])
+def way(request: pytest.FixtureRequest) -> str:
+    """With and without numba, if it is installed."""
+    if request.param == "called":
+        request.getfixturevalue("no_numba")
+    else:
+        pytest.importorskip("numba")
+    return str(request.param)
 
 
 @pytest.fixture(autouse=True)

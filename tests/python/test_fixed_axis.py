@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from physics import ROUNDOFF, Floats
+from physics import ROUNDOFF, Floats, derivative, tensor_of_points
 from refusals import refuses
 from rigid import fixed_axis, particles
 
@@ -14,6 +14,7 @@ from rigid import fixed_axis, particles
 _RNG = np.random.default_rng(3)
 MASSES = _RNG.uniform(0.5, 2.0, 5)
 ARMS = _RNG.normal(size=(5, 3))
+INERTIA = tensor_of_points(MASSES, ARMS)
 TIME, GROWTH = 0.43, 1.2
 
 
@@ -23,13 +24,6 @@ def angle(t: float) -> float:
 
 def rate(t: float) -> float:
     return 0.8 + GROWTH * t
-
-
-def tensor(arms: Floats, masses: Floats = MASSES) -> Floats:
-    total = np.zeros((3, 3))
-    for m, r in zip(masses, arms, strict=True):
-        total += m * ((r @ r) * np.eye(3) - np.outer(r, r))
-    return total
 
 
 AXES = {"z": [0.0, 0.0, 1.0], "x": [2.0, 0.0, 0.0], "oblique": [1.0, -0.4, 0.7]}
@@ -49,18 +43,13 @@ def momenta(t: float, axis: list[float]) -> Floats:
 
 
 def rates_of_change(t: float, axis: list[float]) -> Floats:
-    """Central differences of sixth order: truncation 1e-14 and rounding 1e-13 of some tens."""
-    h = 2e-3
-    weights = np.array([-1, 9, -45, 0, 45, -9, 1]) / (60 * h)
-    values = np.array([momenta(t + k * h, axis) for k in range(-3, 4)])
-    return np.tensordot(weights, values, axes=1)
+    """Of both momenta: truncation 1e-14 and rounding 1e-13 of some tens."""
+    return derivative(lambda then: momenta(then, axis), t, 2e-3)
 
 
 @pytest.mark.parametrize("axis", AXES.values(), ids=AXES.keys())
 def test_torque_is_the_rate_of_change_of_the_angular_momentum(axis: list[float]) -> None:
-    found = fixed_axis.bearing_torques(
-        tensor(ARMS), rate(TIME), GROWTH, axis=axis, angle=angle(TIME)
-    )
+    found = fixed_axis.bearing_torques(INERTIA, rate(TIME), GROWTH, axis=axis, angle=angle(TIME))
     force, torque = rates_of_change(TIME, axis)
     np.testing.assert_allclose(found.torque_space, torque, atol=1e-9)
     np.testing.assert_allclose(
@@ -70,7 +59,7 @@ def test_torque_is_the_rate_of_change_of_the_angular_momentum(axis: list[float])
     np.testing.assert_allclose(to_space @ found.torque, torque, atol=1e-9)
     # Along the axis and across it.
     unit = np.array(axis) / np.linalg.norm(axis)
-    moment = unit @ tensor(ARMS) @ unit
+    moment = unit @ INERTIA @ unit
     assert found.driving == pytest.approx(moment * GROWTH, rel=1e-14)
     assert found.bearing @ unit == pytest.approx(0.0, abs=64 * ROUNDOFF * 10)
     np.testing.assert_allclose(found.bearing + found.driving * unit, found.torque, atol=1e-14)
@@ -81,16 +70,16 @@ def test_torque_is_the_rate_of_change_of_the_angular_momentum(axis: list[float])
 
 
 def test_about_z_the_torque_is_that_of_the_products() -> None:
-    inertia, w = tensor(ARMS), rate(TIME)
-    found = fixed_axis.bearing_torques(inertia, w, GROWTH).torque
-    ixz, iyz, izz = inertia[:, 2]
+    w = rate(TIME)
+    found = fixed_axis.bearing_torques(INERTIA, w, GROWTH).torque
+    ixz, iyz, izz = INERTIA[:, 2]
     expected = [ixz * GROWTH - iyz * w * w, iyz * GROWTH + ixz * w * w, izz * GROWTH]
     np.testing.assert_allclose(found, expected, rtol=1e-14)
 
 
 def test_products_change_in_space_and_the_moment_about_the_axis_does_not() -> None:
     """It is printed as time-dependent; and eq. (29) with products of the body is another torque."""
-    then, now = (tensor(ARMS @ turn(t, AXES["z"]).T) for t in (0.0, 0.9))
+    then, now = (tensor_of_points(MASSES, ARMS @ turn(t, AXES["z"]).T) for t in (0.0, 0.9))
     assert then[2, 2] == pytest.approx(15.386947, abs=5e-7)
     assert now[2, 2] == pytest.approx(float(then[2, 2]), rel=1e-14)
     assert (then[0, 2], now[0, 2]) == (
@@ -119,7 +108,7 @@ def wheel() -> tuple[Floats, Floats]:
 
 def test_a_symmetric_wheel_is_balanced_and_needs_no_bearing() -> None:
     masses, arms = wheel()
-    inertia = tensor(arms, masses)
+    inertia = tensor_of_points(masses, arms)
     com = masses @ arms / masses.sum()
     found = fixed_axis.balance_test(inertia, mass=masses.sum(), com=com)
     assert found.balanced
@@ -142,7 +131,7 @@ def test_balance_at_rest_and_balance_when_turning_are_two_things() -> None:
         both = np.concatenate([arms, extra])
         weights = np.concatenate([masses, 0.1 * np.ones(len(extra))])
         found = fixed_axis.balance_test(
-            tensor(both, weights), mass=weights.sum(), com=weights @ both / weights.sum()
+            tensor_of_points(weights, both), mass=weights.sum(), com=weights @ both / weights.sum()
         )
         assert (bool(found.static), bool(found.dynamic)) == (static, dynamic)
         assert bool(found.balanced) == (static and dynamic)
@@ -150,26 +139,25 @@ def test_balance_at_rest_and_balance_when_turning_are_two_things() -> None:
         assert np.linalg.norm(force) == pytest.approx(
             weights.sum() * float(found.offset) * 100.0, abs=1e-11
         )
-        torque = fixed_axis.bearing_torques(tensor(both, weights), 10.0)
+        torque = fixed_axis.bearing_torques(tensor_of_points(weights, both), 10.0)
         assert np.linalg.norm(torque.bearing) == pytest.approx(
             float(found.product) * 100.0, abs=1e-11
         )
 
 
 def test_a_principal_axis_is_dynamically_balanced() -> None:
-    inertia = tensor(ARMS)
-    _, axes = np.linalg.eigh(inertia)
+    _, axes = np.linalg.eigh(INERTIA)
     for axis in axes.T:
-        found = fixed_axis.balance_test(inertia, mass=1.0, com=3.0 * axis, axis=axis)
+        found = fixed_axis.balance_test(INERTIA, mass=1.0, com=3.0 * axis, axis=axis)
         assert found.balanced
-    assert not fixed_axis.balance_test(inertia, mass=1.0, com=[0.0, 0, 0], axis=[1, 0, 0]).balanced
+    assert not fixed_axis.balance_test(INERTIA, mass=1.0, com=[0.0, 0, 0], axis=[1, 0, 0]).balanced
     # A rod, whose moment about itself is zero, turns about itself for nothing.
     rod = fixed_axis.bearing_torques(np.diag([2.0, 2.0, 0.0]), 5.0, 3.0)
     assert rod.torque.tolist() == [0.0, 0.0, 0.0]
 
 
 def test_many_rates_and_bodies_at_once() -> None:
-    bodies = np.stack([tensor(ARMS), tensor(2.0 * ARMS)])
+    bodies = np.stack([INERTIA, tensor_of_points(MASSES, 2.0 * ARMS)])
     found = fixed_axis.bearing_torques(bodies, np.ones((4, 1)), [1.0, 2.0])
     assert found.torque.shape == (4, 2, 3)
     assert found.driving.shape == (4, 2)
@@ -276,6 +264,12 @@ REFUSED: list[tuple[Any, ...]] = [
         lambda: fixed_axis.balance_test(EYE, mass=1.0, com=[0, 0, 0], rtol=-1e-9),
         "rtol = -1e-09: must not be negative",
     ),
+    (
+        lambda: fixed_axis.bearing_reactions(EYE, 1.0, [0, 0, 0], 1.0, at=(1, 1)),
+        "at = [1.0, 1.0]: must be two places",
+    ),
+    (lambda: fixed_axis.two_plane_balance(EYE, 1.0, [0, 0, 0], at=(1, 2, 3)), "at"),
+    (lambda: fixed_axis.two_plane_balance(EYE, -1.0, [0, 0, 0], at=(1, 2)), "mass = -1"),
 ]
 
 
@@ -293,7 +287,7 @@ def test_two_reactions_carry_the_rates_of_change_of_both_momenta(axis: list[floa
     unit, at = np.array(axis) / np.linalg.norm(axis), (-0.7, 1.9)
     com = MASSES @ ARMS / MASSES.sum()
     forces = fixed_axis.bearing_reactions(
-        tensor(ARMS), MASSES.sum(), com, rate(TIME), GROWTH, at=at, axis=axis
+        INERTIA, MASSES.sum(), com, rate(TIME), GROWTH, at=at, axis=axis
     )
     in_space = forces @ turn(TIME, axis).T
     force, torque = rates_of_change(TIME, axis)
@@ -307,26 +301,14 @@ def test_two_reactions_carry_the_rates_of_change_of_both_momenta(axis: list[floa
 def test_masses_added_in_two_planes_free_the_bearings(axis: list[float]) -> None:
     unit, at, radius = np.array(axis) / np.linalg.norm(axis), (-0.4, 1.1), 0.3
     com = MASSES @ ARMS / MASSES.sum()
-    added = fixed_axis.two_plane_balance(tensor(ARMS), MASSES.sum(), com, at=at, axis=axis)
+    added = fixed_axis.two_plane_balance(INERTIA, MASSES.sum(), com, at=at, axis=axis)
     sizes = np.linalg.norm(added, axis=-1)
     places = np.outer(at, unit) + radius * added / sizes[:, None]
     masses, arms = np.append(MASSES, sizes / radius), np.vstack([ARMS, places])
-    whole, centre = tensor(arms, masses), masses @ arms / masses.sum()
+    whole, centre = tensor_of_points(masses, arms), masses @ arms / masses.sum()
     assert fixed_axis.balance_test(
         whole, mass=masses.sum(), com=centre, axis=axis, rtol=1e-14
     ).balanced
     left = fixed_axis.bearing_reactions(whole, masses.sum(), centre, 10.0, at=(0, 2), axis=axis)
-    before = fixed_axis.bearing_reactions(
-        tensor(ARMS), MASSES.sum(), com, 10.0, at=(0, 2), axis=axis
-    )
+    before = fixed_axis.bearing_reactions(INERTIA, MASSES.sum(), com, 10.0, at=(0, 2), axis=axis)
     assert np.abs(left).max() < 1e-13 * np.abs(before).max()
-
-
-def test_two_places_must_differ_and_masses_be_positive() -> None:
-    body = (np.eye(3), 1.0, [0.0, 0.0, 0.0])
-    with pytest.raises(ValueError, match=r"at = \[1\.0, 1\.0\]: must be two places"):
-        fixed_axis.bearing_reactions(*body, 1.0, at=(1, 1))
-    with pytest.raises(ValueError, match="at"):
-        fixed_axis.two_plane_balance(*body, at=(1, 2, 3))
-    with pytest.raises(ValueError, match="mass = -1"):
-        fixed_axis.two_plane_balance(np.eye(3), -1.0, [0, 0, 0], at=(1, 2))

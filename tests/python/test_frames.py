@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from physics import ROUNDOFF, Floats
+from physics import ROUNDOFF, Floats, derivative
 from refusals import refuses
 from rigid import frames
 
@@ -31,20 +31,9 @@ def seen(t: float) -> Floats:
     return np.array([1.0 + 0.2 * t, 0.5 - 0.1 * t * t, np.cos(0.3 * t)])
 
 
-def derivative(function: Callable[[float], Floats], t: float, order: int = 1) -> Floats:
-    """Central differences of sixth order: truncation and rounding below 1e-11 and 1e-8."""
-    steps = np.arange(-3, 4)
-    weights = {
-        1: np.array([-1, 9, -45, 0, 45, -9, 1]) / (60 * STEP),
-        2: np.array([2, -27, 270, -490, 270, -27, 2]) / (180 * STEP**2),
-    }[order]
-    values = np.array([function(t + k * STEP) for k in steps])
-    return np.tensordot(weights, values, axes=1)
-
-
 def rate(t: float) -> Floats:
     """Angular velocity of the frame, in space, from ``R' R.T``."""
-    spin = derivative(axes, t) @ axes(t).T
+    spin = derivative(axes, t, STEP) @ axes(t).T
     return np.array([spin[2, 1], spin[0, 2], spin[1, 0]])
 
 
@@ -54,16 +43,16 @@ def in_space(t: float) -> Floats:
 
 FRAME: dict[str, Any] = {
     "omega": rate(TIME),
-    "omega_dot": derivative(rate, TIME),
+    "omega_dot": derivative(rate, TIME, STEP),
     "origin": origin(TIME),
-    "origin_velocity": derivative(origin, TIME),
-    "origin_acceleration": derivative(origin, TIME, 2),
+    "origin_velocity": derivative(origin, TIME, STEP),
+    "origin_acceleration": derivative(origin, TIME, STEP, 2),
 }
 
 
 def state(function: Callable[[float], Floats], turn: Any = None) -> tuple[Floats, Floats, Floats]:
     """Position, velocity and acceleration, turned from the frame to space if asked."""
-    values = [function(TIME), derivative(function, TIME), derivative(function, TIME, 2)]
+    values = [function(TIME), derivative(function, TIME, STEP), derivative(function, TIME, STEP, 2)]
     x, v, a = values if turn is None else [turn @ value for value in values]
     return x, v, a
 
@@ -108,14 +97,14 @@ def test_without_turning_only_the_origin_is_taken_away() -> None:
 
 
 def test_transport_of_any_vector() -> None:
-    truth = derivative(lambda t: axes(t) @ seen(t), TIME)
-    own = axes(TIME) @ derivative(seen, TIME)
+    truth = derivative(lambda t: axes(t) @ seen(t), TIME, STEP)
+    own = axes(TIME) @ derivative(seen, TIME, STEP)
     q = axes(TIME) @ seen(TIME)
     found = frames.transport(q, own, FRAME["omega"])
     np.testing.assert_allclose(found, truth, atol=1e-10)
     np.testing.assert_allclose(frames.transport(q, found, -FRAME["omega"]), own, atol=1e-14)
     # That of the angular velocity is the same in both frames.
-    own_rate = axes(TIME) @ derivative(lambda t: axes(t).T @ rate(t), TIME)
+    own_rate = axes(TIME) @ derivative(lambda t: axes(t).T @ rate(t), TIME, STEP)
     np.testing.assert_allclose(own_rate, FRAME["omega_dot"], atol=1e-7)
     change = frames.transport(FRAME["omega"], own_rate, FRAME["omega"])
     assert np.array_equal(change, own_rate)

@@ -13,7 +13,7 @@ from .._checks.extras import install_extra
 from .._checks.inputs import require_readable
 from .._checks.progress import Interrupted, terminated
 from .._checks.shown import wrapped
-from .._files import MAP, OTHERS, require_ending
+from .._files import MAP, require_ending
 from ..store.result import StabilityMap
 from .output import DONE, SAYS_NO, UNFINISHED, complain, require_new, say
 
@@ -53,7 +53,7 @@ def _pack(options: Namespace) -> int:
 
     if "://" not in options.out:
         target = Path(options.out)
-        require_ending(options.out, MAP, "OUT", OTHERS)
+        require_ending(options.out, MAP, "OUT")
         require_new(target, "OUT", force=options.force)
     result = open_store(options.store).result()
     if not result.ended:

@@ -11,12 +11,12 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from .._checks.arguments import finite_float, vector
+from ..model import noise
 from ..model.body import Body
-from ..model.criteria import CRITERIA
-from ..model.criterion import Criterion
+from ..model.criterion import CRITERIA, Criterion
 from ..model.forces import FORCES
 from ..model.mixture import Mixture, mixture
-from ..model.noise import Noise, direction, normal, uniform, uniform_attitude, von_mises_fisher
+from ..model.noise import NOISE_KINDS, Noise
 from ..model.orbit import Orbit
 from ..model.sampled import RotorTable
 from ..model.scene import SCENES, Scene, check_scene
@@ -30,9 +30,7 @@ MOST_DEPTH = 16
 _JOINS: Mapping[str, Callable[[Criterion, Criterion], Criterion]] = {"all": and_, "any": or_}
 """The operation that joins the criteria of a list."""
 
-NOISES: Mapping[str, Callable[..., Noise]] = {
-    make.__name__: make for make in (normal, uniform, direction, uniform_attitude, von_mises_fisher)
-}
+NOISES: Mapping[str, Callable[..., Noise]] = {kind: getattr(noise, kind) for kind in NOISE_KINDS}
 """What the key ``kind`` of a noise names."""
 
 
@@ -160,14 +158,14 @@ def read_start(table: Table, axes: Collection[str], *beside: str, **given: Any) 
 
 
 def _noise(axes: Collection[str], kappa: str, table: Table, key: str) -> Noise:
-    noise = table.table(key)
+    own = table.table(key)
     varied: dict[str, Any] = {}
     for name, axis, what in (("size", key, "the size"), ("kappa", kappa, "kappa")):
         if axis in axes:
-            if name in noise:
-                raise noise.error(f"{name}: an axis of the map sets {what}; omit the key here")
-            varied[name] = None if "cov" in noise else 0.0
-    return noise.choose("kind", NOISES, defaults=varied)
+            if name in own:
+                raise own.error(f"{name}: an axis of the map sets {what}; omit the key here")
+            varied[name] = None if "cov" in own else 0.0
+    return own.choose("kind", NOISES, defaults=varied)
 
 
 def read_criterion(table: Table, depth: int = 1) -> Criterion:

@@ -10,34 +10,22 @@ The modules are ``elliptic``, ``free``, ``flips`` and ``top``. They use ``model`
 and the core. ``free``, ``top`` and the figures use them.
 """
 
-from .elliptic import agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj, jacobi
-from .flips import flip_times
-from .free import FreeMotion, free_body
-from .top import (
-    SteadyPrecession,
-    TopMotion,
-    lagrange_top,
-    pendulum_period,
-    sleeping_spin,
-    steady_precession,
-    tilt_time,
-)
+from .._checks.exported import exported as _exported
+from .elliptic import agm as agm
+from .elliptic import carlson_rc as carlson_rc
+from .elliptic import carlson_rd as carlson_rd
+from .elliptic import carlson_rf as carlson_rf
+from .elliptic import carlson_rj as carlson_rj
+from .elliptic import jacobi as jacobi
+from .flips import flip_times as flip_times
+from .free import FreeMotion as FreeMotion
+from .free import free_body as free_body
+from .top import SteadyPrecession as SteadyPrecession
+from .top import TopMotion as TopMotion
+from .top import lagrange_top as lagrange_top
+from .top import pendulum_period as pendulum_period
+from .top import sleeping_spin as sleeping_spin
+from .top import steady_precession as steady_precession
+from .top import tilt_time as tilt_time
 
-__all__ = [
-    "FreeMotion",
-    "SteadyPrecession",
-    "TopMotion",
-    "agm",
-    "carlson_rc",
-    "carlson_rd",
-    "carlson_rf",
-    "carlson_rj",
-    "flip_times",
-    "free_body",
-    "jacobi",
-    "lagrange_top",
-    "pendulum_period",
-    "sleeping_spin",
-    "steady_precession",
-    "tilt_time",
-]
+__all__ = _exported(globals())

@@ -13,42 +13,30 @@ The package uses all physics modules and ``drawing``. No other module uses it.
 
 from __future__ import annotations
 
-from .curves import bearing_torque, invariants, spring_modes, throw
-from .free import box, cones, coplanar_vectors, free_top_omega, poinsot, polhodes
-from .picture import Picture
-from .rotations import (
-    active_passive,
-    euler_steps,
-    frames,
-    node_frame,
-    rotating_body,
-    unit_vector_change,
-)
-from .tops import cubic, cycloids, effective_potential, heavy_top, loci, locus, upright_cubic
+from .._checks.exported import exported as _exported
+from .curves import bearing_torque as bearing_torque
+from .curves import invariants as invariants
+from .curves import spring_modes as spring_modes
+from .curves import throw as throw
+from .free import box as box
+from .free import cones as cones
+from .free import coplanar_vectors as coplanar_vectors
+from .free import free_top_omega as free_top_omega
+from .free import poinsot as poinsot
+from .free import polhodes as polhodes
+from .picture import Picture as Picture
+from .rotations import active_passive as active_passive
+from .rotations import euler_steps as euler_steps
+from .rotations import frames as frames
+from .rotations import node_frame as node_frame
+from .rotations import rotating_body as rotating_body
+from .rotations import unit_vector_change as unit_vector_change
+from .tops import cubic as cubic
+from .tops import cycloids as cycloids
+from .tops import effective_potential as effective_potential
+from .tops import heavy_top as heavy_top
+from .tops import loci as loci
+from .tops import locus as locus
+from .tops import upright_cubic as upright_cubic
 
-__all__ = [
-    "Picture",
-    "active_passive",
-    "bearing_torque",
-    "box",
-    "cones",
-    "coplanar_vectors",
-    "cubic",
-    "cycloids",
-    "effective_potential",
-    "euler_steps",
-    "frames",
-    "free_top_omega",
-    "heavy_top",
-    "invariants",
-    "loci",
-    "locus",
-    "node_frame",
-    "poinsot",
-    "polhodes",
-    "rotating_body",
-    "spring_modes",
-    "throw",
-    "unit_vector_change",
-    "upright_cubic",
-]
+__all__ = _exported(globals())

@@ -220,7 +220,7 @@ def invariants(
         potential=_filled(potential, shape),
         energy=_filled(kinetic + potential, shape),
         L=_filled(np.ldexp(np.linalg.norm(unit, axis=-1), power[..., 0]), shape),
-        L_body=_filled(_in_body_axes(motion, momentum), (*shape, 3)),
+        L_body=_filled(_turned(motion, momentum), (*shape, 3)),
         L_space=None
         if quaternions is None
         else _filled(to_space(quaternions, momentum), (*shape, 3)),
@@ -345,7 +345,7 @@ def power_balance(
         acting = acting + np.cross(gamma, _at_times(scene.weight))
     if torque is not None:
         added = _body_torque(torque, quaternions, frame)
-        acting = acting + (_in_principal_axes(motion, added) if frame == "body" else added)
+        acting = acting + (_turned(motion, added, back=True) if frame == "body" else added)
     acting = acting + _gravity_gradient(scene, quaternions, times)
     power = (acting * rates).sum(axis=-1) + _sink_power(scene, rates, acting, rotor)
     rate = _time_derivative(kinetic, times)
@@ -412,16 +412,12 @@ def _of_each(vectors: ArrayLike, motion: Run | Scene) -> Floats:
     return _at_times(array) if isinstance(motion, Run) and array.ndim > 1 else array
 
 
-def _in_body_axes(motion: Run | Scene, principal: Floats) -> Floats:
-    """Vectors along the body axes of a run, if these are not the principal axes."""
+def _turned(motion: Run | Scene, vectors: Floats, *, back: bool = False) -> Floats:
+    """Vectors from the principal axes to the body axes of a run, or ``back``, if these differ."""
     axes = motion.frame if isinstance(motion, Run) else None
-    return principal if axes is None else turned(axes, principal)
-
-
-def _in_principal_axes(motion: Run | Scene, vectors: Floats) -> Floats:
-    """Vectors along the principal axes, of components along the body axes of a run."""
-    axes = motion.frame if isinstance(motion, Run) else None
-    return vectors if axes is None else turned(axes.T, vectors)
+    if axes is None:
+        return vectors
+    return turned(axes.T if back else axes, vectors)
 
 
 def _along(vectors: Floats, of_bodies: Floats) -> Floats:

@@ -7,7 +7,7 @@ from math import pi, sqrt
 import numpy as np
 
 from ..model.body import Body
-from ..model.criteria import no_flip
+from ..model.bounds import no_flip
 from ..model.noise import uniform, uniform_attitude
 from ..model.orbit import Orbit
 from ..model.scene import FreeBody

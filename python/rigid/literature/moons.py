@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..free import libration
 from ..model.body import Body
-from ..model.criteria import tilt_below
+from ..model.bounds import tilt_below
 from ..model.noise import normal
 from ..model.orbit import Orbit
 from ..model.scene import FreeBody

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from .._archive import Archive, DamageError, FileError, ForeignError, write_archive
 from .._checks.arguments import one_line
 from .._checks.inputs import described
-from .._files import OTHERS
 from .axes import MOST_AXES, axis_letter
 from .data import CLASSES, STORED, MapData, check_counts
 from .measured import BIN
@@ -57,7 +56,7 @@ def write_map(data: MapData, path: str | os.PathLike[str]) -> Path:
         arrays[name] = getattr(data, name)
     for number, measured in enumerate(data.measures.values()):
         arrays[f"{_BINS}{number}"] = measured.bins
-    write_archive(path, arrays, OTHERS)
+    write_archive(path, arrays)
     return Path(path)
 
 

@@ -20,7 +20,7 @@ from ..model.bodies import Bodies
 from ..model.body import rates_of_rods
 from ..model.forces import FORCES
 from ..model.noise import Noise
-from ..model.parameters import PLACES, moments_of, numbers_of, scene_of
+from ..model.parameters import OF_START, PLACES, moments_of, numbers_of, scene_of
 from ..model.scene import Scene
 from ..model.start import Start, tilted_attitude, tilted_rates
 from ..model.torque import Torque, forces_of
@@ -140,7 +140,7 @@ class Pixels:
         return replace(self, scene=self.scene[pixels], **some)
 
 
-_NEEDED = {"moments", "spin", "tilt", "energy", "l_gamma", "omega", "noise", "attitude_noise"}
+_NEEDED = {"moments", *OF_START}
 """The places whose numbers every pixel has."""
 
 

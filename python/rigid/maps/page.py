@@ -338,14 +338,9 @@ def _curves(data: MapData, whole: MapSpec) -> list[dict[str, Any]]:
     return [curve for curve in drawn.values() if curve["planes"]]
 
 
-_FURTHER = {"dissipation": 3, "rotor": 3, "drag": 3, "orbit": 9}
-"""The further forces that the page integrates, with how many numbers each has there."""
-
-
 def _motion(spec: MapSpec) -> dict[str, Any] | None:
     """The numbers of the equations of motion of each pixel; None if the page cannot integrate."""
-    strange = FORCES.keys() - _FURTHER.keys()
-    if spec.is_called or spec.grid.scene.tables or strange & set(spec.forces):
+    if spec.is_called or spec.grid.scene.tables:
         return None
     return {"numbers": packed(numbers_of_motion(spec.grid), np.float64)}
 
@@ -357,7 +352,7 @@ def numbers_of_motion(bodies: Pixels) -> NDArray[np.float64]:
     columns: list[ArrayLike] = [bodies.moments, bodies.weight, bodies.damping.reshape(-1, 9)]
     for values in (None, None) if torque is None else (torque.in_body, torque.in_space):
         columns.append(np.zeros(3) if values is None else np.asarray(values)[..., 0, :])
-    columns += [further.get(name, np.zeros(width)) for name, width in _FURTHER.items()]
+    columns += [further.get(name, np.zeros(force.width)) for name, force in FORCES.items()]
     each = [np.broadcast_to(column, (count, np.shape(column)[-1])) for column in columns]
     return np.concatenate(each, axis=1)
 

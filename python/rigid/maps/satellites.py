@@ -29,7 +29,7 @@ import numpy as np
 from .._checks.arrays import Floats
 from .._energy_loss import mean_loss
 from .._libration import squares
-from ..model.criteria import NoFlip, TiltBelow
+from ..model.bounds import NoFlip, TiltBelow
 from ..model.orbit import Orbit
 from ..rotations import quaternion_to_matrix
 from .spec import MapSpec

@@ -18,7 +18,6 @@ from .. import _core
 from .._checks.arguments import brief, finite_float, of_known, one_of, positive_int
 from .._checks.moments import refuse_rods
 from ..model.body import Body
-from ..model.bounds import RateWithin
 from ..model.criteria import check_criterion, criterion_from_dict
 from ..model.criterion import Criterion, can_be_left
 from ..model.function import TorqueFunction
@@ -181,48 +180,70 @@ class MapSpec:
     version: str = field(default_factory=lambda: str(_core.build_info()["version"]))
 
     def __post_init__(self) -> None:
-        def put(name: str, value: object) -> None:
-            object.__setattr__(self, name, value)
+        self._take_bodies()
+        check_criterion("stable", self.stable)
+        if not isinstance(self.vary, tuple):
+            self._put("vary", make_varied(self.vary))
+        for start in self.start.starts:
+            check_applicable(self.scene, start, self.axes)
+            check_varied(self.scene, start, self.vary, self.axes)
+        asked, measures = self.stable, make_measures(self.measure)
+        self._take_question(asked, measures, self.scene)
+        check_distinct(self.measure)
+        self._take_numbers()
+        self._check_question()
+        self._check_method()
+        if asks_for_an_axis(asked) or any(asks_for_an_axis(one) for one in measures):
+            # The default axis follows from the bodies of all pixels.
+            grid = self.grid
+            rows = np.unique(grid.moments[grid.possible], axis=0)
+            if len(rows):
+                every = FreeBody(Body(rows, physical=grid.physical), orbit=Orbit(1.0))
+                self._take_question(asked, measures, every)
+        self._check_words()
 
+    def _put(self, name: str, value: object) -> None:
+        """Set a field of the specification, just made."""
+        object.__setattr__(self, name, value)  # the dataclass is frozen
+
+    def _take_bodies(self) -> None:
+        """Take the scene, or what the function of the scene gives, and the axes."""
         if not isinstance(self.start, Start | Mixture):
             raise TypeError(f"start = {brief(self.start)}: must be a rigid.Start, or a mixture")
         if not isinstance(self.scene, Scene) and callable(self.scene):
             for name, made in zip(
                 ("scene", "own", "axes"), own_scene(self.scene, self.axes), strict=True
             ):
-                put(name, made)
+                self._put(name, made)
+        arguments = () if self.own is None else self.own.names
         if not isinstance(self.axes, tuple):
-            put("axes", make_axes(self.axes, () if self.own is None else self.own.names))
+            self._put("axes", make_axes(self.axes, arguments))
+        names = [axis.name for axis in self.axes]
         if self.own is not None:
             for start in self.start.starts:
-                self.own.check_start(start, [axis.name for axis in self.axes])
-        put("scene", self._started(self.scene))
-        for name in () if self.own is None else self.own.names:
-            if name not in (axis.name for axis in self.axes):
+                self.own.check_start(start, names)
+        self._put("scene", self._started(self.scene))
+        for name in arguments:
+            if name not in names:
                 raise ValueError(f"axes: the function of the scene needs an axis {name!r}")
-        check_criterion("stable", self.stable)
-        if not isinstance(self.vary, tuple):
-            put("vary", make_varied(self.vary))
-        for start in self.start.starts:
-            check_applicable(self.scene, start, self.axes)
-            check_varied(self.scene, start, self.vary, self.axes)
-        asked, measures = self.stable, make_measures(self.measure)
-        put("stable", self._resolved("stable", asked, self.scene))
-        put("measure", tuple(self._resolved("measure", one, self.scene) for one in measures))
-        check_distinct(self.measure)
+
+    def _take_question(
+        self, stable: Criterion, measures: tuple[Measure, ...], scene: Scene
+    ) -> None:
+        """Take the criterion and the measures with their defaults in a scene."""
+        self._put("stable", self._resolved("stable", stable, scene))
+        own = [self._resolved("measure", one, scene) for one in measures]
+        self._put("measure", tuple(own))
+
+    def _take_numbers(self) -> None:
+        """Take the numbers of the request as they are checked."""
         for axis in self.axes:
             if axis.name == "t_end":
-                put("t_end", max(axis.values))
+                self._put("t_end", max(axis.values))
         for name, check in _NUMBERS.items():
             value = getattr(self, name)
             if value is not None or self.__dataclass_fields__[name].default is not None:
-                put(name, check(name, value))
-        if isinstance(self.stable, Custom):
-            self._check_custom(self.stable)
-        self._check_leaving(self.stable)
-        limited = self.stable.limited is not None or self.is_judged
-        if "limit" in self.varied and not limited:
-            raise ValueError(f"axes: 'limit' does not apply: {self.stable} limits no angle")
+                self._put(name, check(name, value))
         for name, count in (
             ("samples", self.samples * math.prod(self.shape)),
             ("max_steps", self.max_steps),
@@ -236,13 +257,41 @@ class MapSpec:
                     f"samples = {self.samples}: must be {last}, which half_width = "
                     f"{self.half_width} needs"
                 )
-        one_of("method", self.method, map_methods())
-        if "rotor" in self.forces:
-            for leaf in self.stable.leaves:
-                if isinstance(leaf, RateWithin) and leaf.of == "L":
+
+    def _check_question(self) -> None:
+        """Refuse a horizon, a limit or a time of leaving that the criterion does not have."""
+        stable = self.stable
+        if isinstance(stable, Custom):
+            self._check_times(stable)
+        if any(one.name == "time_to_leave" for one in self.measure):
+            if isinstance(stable, Custom):
+                raise ValueError("measure: judged() has no time_to_leave; leave the measure out")
+            if not can_be_left(stable.logic()):
+                raise ValueError(
+                    f"measure: time_to_leave has no time of '{stable}', which bodies enter and do "
+                    "not leave; ask for the time of the criterion without ~"
+                )
+        if "limit" in self.varied and stable.limited is None and not self.is_judged:
+            raise ValueError(f"axes: 'limit' does not apply: {stable} limits no angle")
+
+    def _check_times(self, stable: Custom) -> None:
+        """Refuse horizons at which a function of states at given times is not asked."""
+        ends = [axis.values for axis in self.axes if axis.name == "t_end"]
+        for values in ends:
+            for place, value in enumerate(values):
+                if value not in stable.times:
                     raise ValueError(
-                        "of = 'L': the momentum of the rotor is not watched; use 'omega'"
+                        f"axes['t_end'][{place}] = {value:g}: must be a time of judged()"
                     )
+        if not ends and self.t_end != stable.times[-1]:
+            raise ValueError(
+                f"t_end = {self.t_end:g}: must be {stable.times[-1]:g}, the last time of judged(), "
+                "or left out"
+            )
+
+    def _check_method(self) -> None:
+        """Refuse a method that does not serve the scene, the criterion or the measures."""
+        one_of("method", self.method, map_methods())
         if self.forces:
             self.stable.check_forced(self.scene, self.forces)
             for one in self.measure:
@@ -250,27 +299,24 @@ class MapSpec:
         chosen = self.step is not None or (self.is_judged and self.method == AUTO)
         if not (chosen or self.whole.bounds_rates):
             raise ValueError(NO_BOUND)
+        has_deviation = self.stable.has_deviation
         check_method(
             self.method,
             self.scene.kind,
-            watched=not (self.is_judged or self.stable.has_deviation),
+            watched=not (self.is_judged or has_deviation),
             forces=self.forces,
         )
-        if self.stable.has_deviation and (self.method != AUTO or self.is_called):
+        if has_deviation and (self.method != AUTO or self.is_called):
             check_tangent(self.method, forces=self.forces)
-        if self.stable.has_deviation and not self.misses_functions:
+        if self.misses_functions:
+            return
+        if has_deviation:
             refuse_rods(self.grid.moments)
-        if self.method == EXACT and not self.misses_functions:
+        if self.method == EXACT:
             self._require_closed_forms()
-        if asks_for_an_axis(asked) or any(asks_for_an_axis(one) for one in measures):
-            # The default axis follows from the bodies of all pixels.
-            grid = self.grid
-            rows = np.unique(grid.moments[grid.possible], axis=0)
-            if len(rows):
-                every = FreeBody(Body(rows, physical=grid.physical), orbit=Orbit(1.0))
-                put("stable", self._resolved("stable", asked, every))
-                own = [self._resolved("measure", one, every) for one in measures]
-                put("measure", tuple(own))
+
+    def _check_words(self) -> None:
+        """Check the title, the unit of times and the version."""
         if self.title is not None and not isinstance(self.title, str):
             raise TypeError(f"title = {brief(self.title)}: must be a string")
         if self.title is not None and len(self.title) > MOST_TITLE:
@@ -279,7 +325,7 @@ class MapSpec:
             )
         clock = clock_of(self.time_unit, self.scene)
         if isinstance(self.time_unit, list | tuple):
-            put("time_unit", (clock.name, clock.size))
+            self._put("time_unit", (clock.name, clock.size))
         if clock.name == ORBIT and (self.own is not None or "rate" in self.varied):
             raise ValueError("time_unit = 'orbit': the orbits of this map have several periods")
         if not isinstance(self.version, str):
@@ -302,33 +348,6 @@ class MapSpec:
         if first is not None and self.own is not None:
             raise ValueError("states: are not given to scenes that a function makes")
         return scene if first is None else scene.started(first)
-
-    def _check_custom(self, stable: Custom) -> None:
-        """Refuse a request that a function of states at given times cannot serve."""
-        for axis in self.axes:
-            if axis.name != "t_end":
-                continue
-            for place, value in enumerate(axis.values):
-                if value not in stable.times:
-                    raise ValueError(
-                        f"axes['t_end'][{place}] = {value:g}: must be a time of judged()"
-                    )
-        if "t_end" not in self.varied and self.t_end != stable.times[-1]:
-            raise ValueError(
-                f"t_end = {self.t_end:g}: must be {stable.times[-1]:g}, the last time of judged(), "
-                "or left out"
-            )
-        if any(one.name == "time_to_leave" for one in self.measure):
-            raise ValueError("measure: judged() has no time_to_leave; leave the measure out")
-
-    def _check_leaving(self, stable: Criterion) -> None:
-        """Refuse the time of leaving a criterion that no body leaves, such as one after ``~``."""
-        asked = any(one.name == "time_to_leave" for one in self.measure)
-        if asked and not isinstance(stable, Custom) and not can_be_left(stable.logic()):
-            raise ValueError(
-                f"measure: time_to_leave has no time of '{stable}', which bodies enter and do not "
-                "leave; ask for the time of the criterion without ~"
-            )
 
     @property
     def forces(self) -> tuple[str, ...]:

@@ -54,7 +54,7 @@ from numpy.typing import NDArray
 from .. import _core
 from .._checks.arrays import Floats
 from .._checks.shown import angle_words
-from ..model.criteria import NoFlip, TiltBelow
+from ..model.bounds import NoFlip, TiltBelow
 from ..model.forces import FORCES
 from ..model.noise import Noise
 from ..model.scene import FreeBody, HeavyTop

@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 
 from ..model.bounds import (
     NearStart,
+    NoFlip,
     PointingWithin,
     RateWithin,
     ReturnsNear,
     SpinAbove,
+    TiltBelow,
     TiltBetween,
 )
-from ..model.criteria import NoFlip, TiltBelow
 from ..model.criterion import Criterion
 from ..model.orbit_axes import DIRECTIONS
 from ..model.scene import HeavyTop

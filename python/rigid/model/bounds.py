@@ -1,21 +1,29 @@
-"""Criteria that keep one number of a motion within a limit: a tilt, a turn or a rate."""
+"""Criteria that keep one number of a motion within a limit: a tilt, a turn or a rate.
+
+Messages list them in this order.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import pi
 from typing import ClassVar, Self
 
+import numpy as np
+
 from .._checks.arguments import brief, finite_float, one_of
 from .._checks.shown import angle_words
 from .criterion import Condition, Criterion, checked
+from .forces import forces_in_words
 from .orbit_axes import DIRECTIONS, Axes, checked_axes, extreme_axis, require_orbit, rest_axes
 from .scene import Scene
 from .start import Start, body_axis
 
 VECTORS = {"omega": "omega", "L": "momentum"}
 FRAMES = ("space", "body")
+REFERENCES = ("start", "vertical")
 
 
 NOT_NEGATIVE = partial(finite_float, nonnegative=True)
@@ -48,6 +56,84 @@ class WithinAngle(Criterion):
     limited: ClassVar[str | None] = "angle"
 
     angle: float = checked(checked_angle)
+
+
+@dataclass(frozen=True, slots=True)
+class NoFlip(Criterion):
+    """Stable while the rate about one body axis keeps its sign; made by :func:`no_flip`."""
+
+    name: ClassVar[str] = "no_flip"
+    record: ClassVar[str] = "rates"
+
+    axis: int | None = checked(lambda _, axis: body_axis(axis), None)
+
+    def resolved(self, scene: Scene, start: Start) -> Self:
+        """The criterion with the default axis in place of ``None``."""
+        return self if self.axis is not None else replace(self, axis=_axis_of(start))
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """Name, axis and no limits as the core takes them."""
+        if self.axis is None:
+            raise ValueError("no_flip() without an axis needs a start: call resolved() first")
+        return (("no_flip", self.axis, ()),)
+
+    def closed_form_question(self) -> tuple[str, int | None]:
+        """Free bodies have closed forms, and Lagrange tops about their symmetry axis."""
+        return "no_flip", self.axis
+
+    def __str__(self) -> str:
+        return "no flip" if self.axis is None else f"no flip about axis {self.axis}"
+
+
+@dataclass(frozen=True, slots=True)
+class TiltBelow(WithinAngle):
+    """Stable while a body axis stays within an angle of a direction; made by :func:`tilt_below`."""
+
+    name: ClassVar[str] = "tilt_below"
+    record: ClassVar[str] = "axis"
+
+    axis: int = checked(signed_axis, 3)
+    reference: str | None = checked(partial(one_of, known=REFERENCES), None)
+
+    def resolved(self, scene: Scene, start: Start) -> Self:
+        """The criterion with the default reference in place of ``None``."""
+        if scene.directions:
+            return self if self.reference else replace(self, reference="vertical")
+        if self.reference == "vertical":
+            # Where a torque acts in space, its third axis, and with it the vertical, is integrated.
+            if scene.rates_need_attitude:
+                return self
+            raise ValueError(
+                "reference = 'vertical': a free body knows no vertical; use 'start' or a HeavyTop"
+            )
+        return replace(self, reference="start")
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """Name, axis and limit (rad) as the core takes them."""
+        if self.reference is None:
+            raise ValueError(
+                "tilt_below() without a reference needs a scene: call resolved() first"
+            )
+        return ((f"tilt_from_{self.reference}", self.axis, (self.angle,)),)
+
+    def closed_form_question(self) -> tuple[str, int] | None:
+        """Lagrange tops have closed forms, for the tilt of their axis from the vertical."""
+        return ("tilt_from_vertical", abs(self.axis)) if self.reference == "vertical" else None
+
+    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
+        """Raise ValueError unless the tilt is one from the vertical."""
+        if self.reference != "vertical":
+            remedy = "give reference='vertical'"
+            if not (scene.directions or scene.rates_need_attitude):
+                remedy = "take no_flip(), or judged() with a function of the attitudes"
+            raise ValueError(
+                f"reference = {self.reference!r}: under {forces_in_words(forces)} a map watches "
+                f"tilts from the vertical only; {remedy}"
+            )
+
+    def __str__(self) -> str:
+        origin = {"start": " from its start", "vertical": " from the vertical", None: ""}
+        return f"tilt of axis {self.axis}{origin[self.reference]} below {angle_words(self.angle)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +205,11 @@ class RateWithin(WithinAngle):
         # No top has a closed form of no_flip about an axis that is not named.
         return ("no_flip", None) if self.of == "L" and self.frame == "space" else None
 
+    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
+        """Raise ValueError if a rotor has a part of the momentum."""
+        if self.of == "L" and "rotor" in forces:
+            raise ValueError("of = 'L': the momentum of the rotor is not watched; use 'omega'")
+
     def __str__(self) -> str:
         where = "in space" if self.frame == "space" else "in the body"
         return f"{self.of} within {angle_words(self.angle)} of its direction at the start {where}"
@@ -137,6 +228,48 @@ class NearStart(WithinAngle):
 
     def __str__(self) -> str:
         return f"attitude within {angle_words(self.angle)} of the start"
+
+
+@dataclass(frozen=True, slots=True)
+class ReturnsNear(WithinAngle):
+    """Stable if the attitude comes back near the start; made by :func:`returns`."""
+
+    name: ClassVar[str] = "returns"
+    record: ClassVar[str] = "attitude"
+
+    after: float = checked(NOT_NEGATIVE)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """Condition that the attitude stays away: name, limit (rad), time from which it counts."""
+        return (("away_from_start", 0, (self.angle, self.after)),)
+
+    def logic(self) -> tuple[int | str, ...]:
+        """Stable is the opposite: the body does not stay away."""
+        return 0, "~"
+
+    def __str__(self) -> str:
+        return f"attitude back within {angle_words(self.angle)} of the start after {self.after:g} s"
+
+
+@dataclass(frozen=True, slots=True)
+class SpinAbove(Criterion):
+    """Stable while a rate stays above a limit; made by :func:`spin_above`."""
+
+    name: ClassVar[str] = "spin_above"
+    record: ClassVar[str] = "rates"
+
+    rate: float = checked(NOT_NEGATIVE)
+    axis: int | None = checked(signed_axis, None)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """Name, axis and limit (rad/s) as the core takes them."""
+        if self.axis is None:
+            return (("speed_above", 0, (self.rate,)),)
+        return (("rate_above", self.axis, (self.rate,)),)
+
+    def __str__(self) -> str:
+        what = "|omega|" if self.axis is None else f"rate about axis {self.axis}"
+        return f"{what} above {self.rate:g} rad/s"
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,46 +344,64 @@ class YawWithin(AngleWithin):
     name: ClassVar[str] = "yaw_within"
 
 
-@dataclass(frozen=True, slots=True)
-class ReturnsNear(WithinAngle):
-    """Stable if the attitude comes back near the start; made by :func:`returns`."""
+def no_flip(axis: int | None = None) -> NoFlip:
+    """Stable: the rate about a body axis never changes its sign.
 
-    name: ClassVar[str] = "returns"
-    record: ClassVar[str] = "attitude"
+    Parameters
+    ----------
+    axis : {1, 2, 3}, optional
+        The body axis. By default the axis of the start: ``Start.axis`` if the start is given by its
+        spin, else the axis of the largest component of ``Start.omega``.
 
-    after: float = checked(NOT_NEGATIVE)
+    Returns
+    -------
+    NoFlip
 
-    def conditions(self) -> tuple[Condition, ...]:
-        """Condition that the attitude stays away: name, limit (rad), time from which it counts."""
-        return (("away_from_start", 0, (self.angle, self.after)),)
+    Raises
+    ------
+    ValueError
+        If the axis is not 1, 2 or 3.
 
-    def logic(self) -> tuple[int | str, ...]:
-        """Stable is the opposite: the body does not stay away."""
-        return 0, "~"
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.no_flip(2))
+    'no flip about axis 2'
+    """
+    return NoFlip(axis)
 
-    def __str__(self) -> str:
-        return f"attitude back within {angle_words(self.angle)} of the start after {self.after:g} s"
 
+def tilt_below(angle: float, *, axis: int = 3, reference: str | None = None) -> TiltBelow:
+    """Stable: a body axis stays within an angle of a fixed direction of space.
 
-@dataclass(frozen=True, slots=True)
-class SpinAbove(Criterion):
-    """Stable while a rate stays above a limit; made by :func:`spin_above`."""
+    Parameters
+    ----------
+    angle : float
+        Limit in rad, in (0, pi].
+    axis : {1, 2, 3, -1, -2, -3}
+        The body axis; negative for its opposite direction.
+    reference : {"start", "vertical"}, optional
+        The direction: the direction of the axis at the start, or the upward vertical. By default
+        the vertical for a heavy top and the start for a free body, whose equations contain no
+        vertical. On an :class:`Orbit` the vertical of a map is the normal of the orbit; on an
+        :meth:`Orbit.table` and in events it is axis 3 of space.
 
-    name: ClassVar[str] = "spin_above"
-    record: ClassVar[str] = "rates"
+    Returns
+    -------
+    TiltBelow
 
-    rate: float = checked(NOT_NEGATIVE)
-    axis: int | None = checked(signed_axis, None)
+    Raises
+    ------
+    ValueError
+        If a value is out of range or the reference is unknown.
 
-    def conditions(self) -> tuple[Condition, ...]:
-        """Name, axis and limit (rad/s) as the core takes them."""
-        if self.axis is None:
-            return (("speed_above", 0, (self.rate,)),)
-        return (("rate_above", self.axis, (self.rate,)),)
-
-    def __str__(self) -> str:
-        what = "|omega|" if self.axis is None else f"rate about axis {self.axis}"
-        return f"{what} above {self.rate:g} rad/s"
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.tilt_below(0.5, reference="vertical"))
+    'tilt of axis 3 from the vertical below 0.5 rad'
+    """
+    return TiltBelow(angle, axis, reference)
 
 
 def tilt_between(low: float, high: float, *, axis: int = 3) -> TiltBetween:
@@ -602,3 +753,15 @@ def spin_above(rate: float, axis: int | None = None) -> SpinAbove:
     'rate about axis -3 above 2 rad/s'
     """
     return SpinAbove(rate, axis)
+
+
+def _axis_of(start: Start) -> int:
+    if start.omega is None:
+        return start.axis
+    size = np.abs(start.omega)
+    if np.count_nonzero(size == size.max()) > 1:
+        raise ValueError(
+            f"no_flip() cannot tell the axis: omega {start.omega} has no single largest component; "
+            "say no_flip(axis=...)"
+        )
+    return int(size.argmax()) + 1

@@ -94,7 +94,7 @@ def of_python(function: Callable[..., object], width: int, states: int) -> Callb
     return _made(function, Taken(width, states, asks_place, False))
 
 
-def of_state(function: Callable[..., object], states: int) -> tuple[Taken, Callback]:
+def of_state(function: Callable[..., object], states: int) -> Callback:
     """The callback of a function ``f(t, omega, attitude)`` of a body with so many states.
 
     Warns
@@ -103,8 +103,7 @@ def of_state(function: Callable[..., object], states: int) -> tuple[Taken, Callb
         As :func:`of_python`.
     """
     takes_states, asks_place = taken_by(function)
-    taken = Taken(0, states if takes_states else 0, asks_place, True)
-    return taken, _made(function, taken)
+    return _made(function, Taken(0, states if takes_states else 0, asks_place, True))
 
 
 def taken_by(function: Callable[..., object]) -> tuple[bool, bool]:

@@ -1,12 +1,12 @@
 """The criteria of a map: definitions of *stable*; the horizon is stated elsewhere.
 
-A new criterion is one more class here or in ``bounds.py``, and its entry in :data:`CRITERIA`; the
-core selects the observable by the name that :meth:`Criterion.conditions` gives.
+A new criterion is one more class here or in ``bounds.py``, and the function that makes it; the core
+selects the observable by the name that :meth:`Criterion.conditions` gives.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields, replace
 from functools import partial
 from typing import Any, ClassVar, Self
@@ -14,112 +14,18 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from .._checks.arguments import brief, finite_float, one_of
-from .._checks.shown import angle_words
-from .bounds import (
-    NearStart,
-    PitchWithin,
-    PointingWithin,
-    RateWithin,
-    ReturnsNear,
-    RollWithin,
-    SpinAbove,
-    TiltBetween,
-    WithinAngle,
-    YawWithin,
-    signed_axis,
-)
-from .criterion import Condition, Criterion, Joined, checked
-from .forces import forces_in_words
+from . import bounds as bounds  # whose criteria come first in CRITERIA
+from .criterion import CRITERIA, Condition, Criterion, Joined, checked
 from .judged import Custom
 from .scene import Scene
-from .start import Start, body_axis
+from .start import Start
 from .time_unit import SECONDS, Clock
 
 POSITIVE = partial(finite_float, positive=True)
 
-REFERENCES = ("start", "vertical")
-
 NORMS = ("rates", "attitude")
 """The parts of a deviation vector whose growth is measured: rates and vertical, or rates and
 attitude."""
-
-
-@dataclass(frozen=True, slots=True)
-class NoFlip(Criterion):
-    """Stable while the rate about one body axis keeps its sign; made by :func:`no_flip`."""
-
-    name: ClassVar[str] = "no_flip"
-    record: ClassVar[str] = "rates"
-
-    axis: int | None = checked(lambda _, axis: body_axis(axis), None)
-
-    def resolved(self, scene: Scene, start: Start) -> Self:
-        """The criterion with the default axis in place of ``None``."""
-        return self if self.axis is not None else replace(self, axis=_axis_of(start))
-
-    def conditions(self) -> tuple[Condition, ...]:
-        """Name, axis and no limits as the core takes them."""
-        if self.axis is None:
-            raise ValueError("no_flip() without an axis needs a start: call resolved() first")
-        return (("no_flip", self.axis, ()),)
-
-    def closed_form_question(self) -> tuple[str, int | None]:
-        """Free bodies have closed forms, and Lagrange tops about their symmetry axis."""
-        return "no_flip", self.axis
-
-    def __str__(self) -> str:
-        return "no flip" if self.axis is None else f"no flip about axis {self.axis}"
-
-
-@dataclass(frozen=True, slots=True)
-class TiltBelow(WithinAngle):
-    """Stable while a body axis stays within an angle of a direction; made by :func:`tilt_below`."""
-
-    name: ClassVar[str] = "tilt_below"
-    record: ClassVar[str] = "axis"
-
-    axis: int = checked(signed_axis, 3)
-    reference: str | None = checked(partial(one_of, known=REFERENCES), None)
-
-    def resolved(self, scene: Scene, start: Start) -> Self:
-        """The criterion with the default reference in place of ``None``."""
-        if scene.directions:
-            return self if self.reference else replace(self, reference="vertical")
-        if self.reference == "vertical":
-            # Where a torque acts in space, its third axis, and with it the vertical, is integrated.
-            if scene.rates_need_attitude:
-                return self
-            raise ValueError(
-                "reference = 'vertical': a free body knows no vertical; use 'start' or a HeavyTop"
-            )
-        return replace(self, reference="start")
-
-    def conditions(self) -> tuple[Condition, ...]:
-        """Name, axis and limit (rad) as the core takes them."""
-        if self.reference is None:
-            raise ValueError(
-                "tilt_below() without a reference needs a scene: call resolved() first"
-            )
-        return ((f"tilt_from_{self.reference}", self.axis, (self.angle,)),)
-
-    def closed_form_question(self) -> tuple[str, int] | None:
-        """Lagrange tops have closed forms, for the tilt of their axis from the vertical."""
-        return ("tilt_from_vertical", abs(self.axis)) if self.reference == "vertical" else None
-
-    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
-        """Raise ValueError unless the tilt is one from the vertical."""
-        if self.reference != "vertical":
-            remedy = "give reference='vertical'"
-            if not (scene.directions or scene.rates_need_attitude):
-                remedy = "take no_flip(), or judged() with a function of the attitudes"
-            raise ValueError(
-                f"reference = {self.reference!r}: under {forces_in_words(forces)} a map watches "
-                f"tilts from the vertical only; {remedy}"
-            )
-
-    def __str__(self) -> str:
-        origin = {"start": " from its start", "vertical": " from the vertical", None: ""}
-        return f"tilt of axis {self.axis}{origin[self.reference]} below {angle_words(self.angle)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,86 +84,6 @@ class Regular(Criterion):
 
     def __str__(self) -> str:
         return "regular with its attitude" if self.of == "attitude" else "regular"
-
-
-CRITERIA: Mapping[str, type[Criterion]] = {
-    known.name: known
-    for known in (
-        NoFlip,
-        TiltBelow,
-        TiltBetween,
-        RateWithin,
-        NearStart,
-        ReturnsNear,
-        SpinAbove,
-        PointingWithin,
-        RollWithin,
-        PitchWithin,
-        YawWithin,
-        Regular,
-    )
-}
-"""All criteria by their name."""
-
-
-def no_flip(axis: int | None = None) -> NoFlip:
-    """Stable: the rate about a body axis never changes its sign.
-
-    Parameters
-    ----------
-    axis : {1, 2, 3}, optional
-        The body axis. By default the axis of the start: ``Start.axis`` if the start is given by its
-        spin, else the axis of the largest component of ``Start.omega``.
-
-    Returns
-    -------
-    NoFlip
-
-    Raises
-    ------
-    ValueError
-        If the axis is not 1, 2 or 3.
-
-    Examples
-    --------
-    >>> import rigid
-    >>> str(rigid.no_flip(2))
-    'no flip about axis 2'
-    """
-    return NoFlip(axis)
-
-
-def tilt_below(angle: float, *, axis: int = 3, reference: str | None = None) -> TiltBelow:
-    """Stable: a body axis stays within an angle of a fixed direction of space.
-
-    Parameters
-    ----------
-    angle : float
-        Limit in rad, in (0, pi].
-    axis : {1, 2, 3, -1, -2, -3}
-        The body axis; negative for its opposite direction.
-    reference : {"start", "vertical"}, optional
-        The direction: the direction of the axis at the start, or the upward vertical. By default
-        the vertical for a heavy top and the start for a free body, whose equations contain no
-        vertical. On an :class:`Orbit` the vertical of a map is the normal of the orbit; on an
-        :meth:`Orbit.table` and in events it is axis 3 of space.
-
-    Returns
-    -------
-    TiltBelow
-
-    Raises
-    ------
-    ValueError
-        If a value is out of range or the reference is unknown.
-
-    Examples
-    --------
-    >>> import rigid
-    >>> str(rigid.tilt_below(0.5, reference="vertical"))
-    'tilt of axis 3 from the vertical below 0.5 rad'
-    """
-    return TiltBelow(angle, axis, reference)
 
 
 def regular(
@@ -365,15 +191,3 @@ def criterion_from_dict(data: Mapping[str, Any]) -> Criterion:
         parts = tuple(criterion_from_dict(part) for part in values["parts"])
         return Joined(values["operation"], parts)
     return CRITERIA[name](**values)
-
-
-def _axis_of(start: Start) -> int:
-    if start.omega is None:
-        return start.axis
-    size = np.abs(start.omega)
-    if np.count_nonzero(size == size.max()) > 1:
-        raise ValueError(
-            f"no_flip() cannot tell the axis: omega {start.omega} has no single largest component; "
-            "say no_flip(axis=...)"
-        )
-    return int(size.argmax()) + 1

@@ -25,6 +25,10 @@ SIGNS = {"and": "&", "or": "|", "not": "~"}
 """The operations by their names in files, as the core takes them."""
 
 
+CRITERIA: dict[str, type[Criterion]] = {}
+"""The criteria that functions of :mod:`rigid` make of numbers, by their names."""
+
+
 def checked(check: Callable[[str, Any], Any], default: Any = MISSING) -> Any:
     """A field of a criterion, whose values other than the default ``check(name, value)`` gives."""
     return field(default=default, metadata={"check": check})
@@ -38,6 +42,8 @@ class Criterion(ABC):
     name : str
         Name in :data:`CRITERIA`, in map files and saved maps; a function of this name in
         :mod:`rigid` makes the criterion.
+    of_numbers : bool
+        Whether numbers alone make it, so that it is in :data:`CRITERIA`.
     stays : str
         A body that meets the criterion, in one word.
     record : {"rates", "axis", "attitude"}
@@ -55,12 +61,17 @@ class Criterion(ABC):
     __slots__ = ()
 
     name: ClassVar[str]
+    of_numbers: ClassVar[bool] = True
     stays: ClassVar[str] = "stable"
     record: ClassVar[str]
     has_deviation: ClassVar[bool] = False
     width: ClassVar[int] = 1
     alone: ClassVar[str | None] = None
     limited: ClassVar[str | None] = None
+
+    def __init_subclass__(cls) -> None:
+        if "name" in vars(cls) and cls.of_numbers:
+            CRITERIA[cls.name] = cls
 
     def __post_init__(self) -> None:
         for own in fields(self):  # type: ignore[arg-type]
@@ -134,6 +145,7 @@ class Joined(Criterion):
     """
 
     name: ClassVar[str] = "joined"
+    of_numbers: ClassVar[bool] = False
 
     operation: str
     parts: tuple[Criterion, ...]

@@ -1,7 +1,7 @@
 """The further forces of a scene, besides applied torque and linear damping.
 
-A new force is one class in this file, its entry in :data:`FORCES`, and its keyword and attribute in
-the scenes on which it acts. TOML files, datasets and the core know it by its name.
+A new force is one class in this file, and its keyword and attribute in the scenes on which it acts.
+Parameters, TOML files, datasets and the core know it by its name.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Generic, Self, TypeAlias, TypeVar, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import _core
 from .._checks.arguments import brief, finite_float, shaped
 from .._checks.arrays import Floats
 from .batch import ByValue, Index, Shape, Vector, axes_of, taken, vector_of
@@ -156,6 +157,11 @@ def tenth_of_moment(power: int) -> Guess:
     return lambda numbers, moment, rate: 0.1 * moment * rate**power
 
 
+_IN_CORE, CHANGES = _core.further_forces()
+"""Words, width and first place of each further force; and how many numbers the core keeps of a
+body: before the forces moments, ``mgl com``, damping 11, 22, 33, 23, 31, 12, and torque in body."""
+
+
 class Force(Generic[Value]):
     """A force of a scene: its attribute, keyword, key in TOML files and name in the core.
 
@@ -179,6 +185,15 @@ class Force(Generic[Value]):
         Whether the torque depends on the attitude.
     power : int
         The numbers are moments times this power of rates.
+    of_all, of_each : tuple of (str, str)
+        Symbol and meaning of the parameter that sets all coefficients, and of the one that sets
+        the number along an axis, which stands for ``#``; None without such a parameter.
+    phrase : str
+        The force in messages.
+    width : int
+        How many numbers it has.
+    first : int
+        Where the core keeps the first of them.
     """
 
     name: ClassVar[str]
@@ -189,6 +204,11 @@ class Force(Generic[Value]):
     has_mass: ClassVar[bool] = True
     in_space: ClassVar[bool] = False
     power: ClassVar[int]
+    of_all: ClassVar[tuple[str, str] | None] = None
+    of_each: ClassVar[tuple[str, str] | None] = None
+
+    def __init__(self) -> None:
+        self.phrase, self.width, self.first = _IN_CORE[self.name]
 
     def checked(self, given: Any) -> Value | None:
         """The given value, as a value of one body or of each; None if it is zero.
@@ -267,29 +287,6 @@ class Force(Generic[Value]):
         return 0.0
 
 
-class Dissipation(Force[EnergySink]):
-    """Internal dissipation."""
-
-    name = "dissipation"
-    title = "coefficients of the energy sink"
-    unit = "kg m² s"
-    power = -1
-
-    def checked(self, given: Any) -> EnergySink | None:
-        """The sink, if it drains energy."""
-        if not isinstance(given, EnergySink):
-            raise TypeError(f"dissipation = {brief(given)}: must be a rigid.EnergySink")
-        return given if np.any(given.coefficient) else None
-
-    def numbers(self, value: EnergySink) -> Any:
-        """The coefficients."""
-        return value.coefficient
-
-    def made(self, numbers: Any) -> EnergySink | None:
-        """The sink with these coefficients."""
-        return self.checked(EnergySink(numbers))
-
-
 class GravityGradient(Force[Orbit]):
     """The gravity gradient on an orbit."""
 
@@ -353,6 +350,31 @@ class GravityGradient(Force[Orbit]):
         return value.words(varied)
 
 
+class Dissipation(Force[EnergySink]):
+    """Internal dissipation."""
+
+    name = "dissipation"
+    title = "coefficients of the energy sink"
+    unit = "kg m² s"
+    power = -1
+    of_all = "$P$", "coefficient of the energy sink, the same along all axes"
+    of_each = "$P_#$", "coefficient of the energy sink along axis #"
+
+    def checked(self, given: Any) -> EnergySink | None:
+        """The sink, if it drains energy."""
+        if not isinstance(given, EnergySink):
+            raise TypeError(f"dissipation = {brief(given)}: must be a rigid.EnergySink")
+        return given if np.any(given.coefficient) else None
+
+    def numbers(self, value: EnergySink) -> Any:
+        """The coefficients."""
+        return value.coefficient
+
+    def made(self, numbers: Any) -> EnergySink | None:
+        """The sink with these coefficients."""
+        return self.checked(EnergySink(numbers))
+
+
 class Rotor(Force[Momentum]):
     """A rotor at constant speed, or with a momentum by a table."""
 
@@ -361,6 +383,7 @@ class Rotor(Force[Momentum]):
     unit = "kg m²/s"
     is_vector = True
     power = 1
+    of_each = "$h_#$", "angular momentum of the rotor about body axis #"
 
     def checked(self, given: Any) -> Momentum | None:
         """The momentum, or its table."""
@@ -397,6 +420,8 @@ class Drag(Force[Vector | Floats]):
     unit = "N m s²"
     has_corner = True
     power = 0
+    of_all = "drag $C$", "coefficient of the quadratic drag, the same about all axes"
+    of_each = "$C_#$", "coefficient of the quadratic drag about axis #"
 
     def torque(self, numbers: Floats, omega: Floats) -> Floats:
         """``-|omega| C omega``."""
@@ -404,16 +429,12 @@ class Drag(Force[Vector | Floats]):
         return np.asarray(-speed * omega * numbers)
 
 
-FORCES: Mapping[str, Force[Any]] = {
-    force.name: force for force in (GravityGradient(), Dissipation(), Rotor(), Drag())
-}
+FORCES: Mapping[str, Force[Any]] = {kind.name: kind() for kind in Force.__subclasses__()}
 """The further forces by their names."""
 
-
-_NAMED = {
+_PHRASES = {
     "function": "the torque of a function",
-    "orbit": "the gravity gradient of an orbit",
-    "rotor": "a rotor",
+    **{name: force.phrase for name, force in FORCES.items()},
 }
 
 
@@ -421,6 +442,6 @@ def forces_in_words(names: Iterable[str]) -> str:
     """What acts on a body, for messages: the names as in :attr:`rigid.Method.forces`."""
     every = list(names)
     words = [
-        _NAMED.get(name, name) for name in every if name != "torque" or "function" not in every
+        _PHRASES.get(name, name) for name in every if name != "torque" or "function" not in every
     ]
     return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))

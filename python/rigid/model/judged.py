@@ -51,6 +51,7 @@ class Custom(Criterion):
     """Stable if a function of the states returns true for a body; made by :func:`judged`."""
 
     name: ClassVar[str] = "judged"
+    of_numbers: ClassVar[bool] = False
     alone: ClassVar[str | None] = "has a function, which can join conditions itself"
 
     source: Sourced

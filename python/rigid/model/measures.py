@@ -8,8 +8,14 @@ from math import pi
 from typing import Any
 
 from .._checks.arguments import brief, finite_float, one_of
-from .bounds import AngleWithin, PointingWithin, checked_angle
-from .criteria import REFERENCES, no_flip, tilt_below
+from .bounds import (
+    REFERENCES,
+    AngleWithin,
+    PointingWithin,
+    checked_angle,
+    no_flip,
+    tilt_below,
+)
 from .criterion import Condition
 from .orbit_axes import ANGLES, Axes, checked_axes, extreme_axis, require_orbit, rest_axes
 from .scene import Scene

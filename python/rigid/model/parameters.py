@@ -1,7 +1,7 @@
 """The parameters of scenes and starts: unit, range, the numbers that they set, and derivatives.
 
 Axes of maps, tangents and fits know a parameter by its name. A new parameter is one row of
-:data:`PARAMETERS`.
+:data:`PARAMETERS`; the rows of a further force follow from its class.
 """
 
 from __future__ import annotations
@@ -14,11 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _core
 from .._checks.arrays import Floats
 from .._checks.moments import box_moments
 from .body import Body
-from .forces import FORCES, Guess, tenth_of_moment
+from .forces import FORCES, Force, Guess, tenth_of_moment
 from .noise import Noise
 from .orbit import HYPERBOLA, MOST_ECCENTRIC
 from .sampled import Sampled
@@ -317,7 +316,7 @@ def _further(name: str) -> Place:
         return np.zeros(3) if value is None else np.asarray(force.numbers(value))
 
     why_not = _anywhere if name in HeavyTop.__slots__ else _needs_constant
-    return Place(read, 1, why_not, (name,), _OF_FORCES[name], guess=force.guess)
+    return Place(read, 1, why_not, (name,), force.first, guess=force.guess)
 
 
 def _slopes_of_weight(scene: Any) -> Floats:
@@ -346,10 +345,6 @@ def _size_of_attitude_noise(_scene: Scene, start: Start) -> Floats:
     size = 0.0 if start.attitude_noise is None else start.attitude_noise.size
     return np.broadcast_to(1.0 if start.joint else size, 3)
 
-
-_OF_FORCES, CHANGES = _core.change_places()
-"""Where the core keeps the numbers of each further force of a body, and how many numbers it keeps.
-Before them are moments, ``mgl com``, damping 11, 22, 33, 23, 31, 12, and torque in the body."""
 
 OF_WEIGHT = ("mgl", "com")
 """Places that only a scene with weight has."""
@@ -381,7 +376,7 @@ PLACES: Mapping[str, Place] = {
         lambda scene, _: scene.orbit.numbers[..., :3],
         1,
         _needs_orbit,
-        first=_OF_FORCES["orbit"],
+        first=FORCES["orbit"].first,
         slopes=_slopes_of_orbit,
         guess=FORCES["orbit"].guess,
     ),
@@ -414,6 +409,17 @@ def _of_all_and_each(
     symbol, meaning = of_all
     each = _of_each_axis(f"{name}#", of_each[0], unit, of_each[1], name, lowest=0.0)
     return {name: Parameter(symbol, unit, meaning, name, lowest=0.0), **each}
+
+
+def _of_force(force: Force[Any]) -> dict[str, Parameter]:
+    """The parameters of the coefficients, or of the vector, of a further force."""
+    name, unit = force.name, force.unit
+    if force.of_each is None:
+        return {}
+    if force.of_all is not None:
+        return _of_all_and_each(name, unit, force.of_all, force.of_each)
+    symbol, meaning = force.of_each
+    return _of_each_axis(f"{name}#", symbol, unit, meaning, name)
 
 
 PARAMETERS: Mapping[str, Parameter] = {
@@ -484,21 +490,11 @@ PARAMETERS: Mapping[str, Parameter] = {
         ("damping about axis #, $D_{##}$", "damping about body axis #"),
     ),
     **_of_each_axis("torque#", "$N_#$", "N m", "constant torque about body axis #", "torque"),
-    **_of_each_axis(
-        "rotor#", "$h_#$", "kg m²/s", "angular momentum of the rotor about body axis #", "rotor"
-    ),
-    **_of_all_and_each(
-        "dissipation",
-        "kg m² s",
-        ("$P$", "coefficient of the energy sink, the same along all axes"),
-        ("$P_#$", "coefficient of the energy sink along axis #"),
-    ),
-    **_of_all_and_each(
-        "drag",
-        "N m s²",
-        ("drag $C$", "coefficient of the quadratic drag, the same about all axes"),
-        ("$C_#$", "coefficient of the quadratic drag about axis #"),
-    ),
+    **{
+        name: row
+        for force in sorted(FORCES.values(), key=lambda force: not force.is_vector)
+        for name, row in _of_force(force).items()
+    },
     "rate": Parameter(
         "rate $n$", "rad/s", "rate of the orbit", "orbit", (0,), lowest=0.0, open_end=True
     ),

@@ -526,11 +526,8 @@ class HeavyTop(Scene):
         Mass times gravity times the distance from the fixed point to the centre of mass (J), >= 0.
     com : array_like, shape (3,) or (..., 3), optional
         Unit vector from the fixed point to the centre of mass in the body. Default ``(0, 0, 1)``.
-    torque, damping, frame : optional
+    torque, damping, drag, frame : optional
         As in :class:`FreeBody`; ``com`` too is given in the frame.
-    drag : float or array_like, shape (3,) or (..., 3), optional
-        Quadratic drag: the coefficients ``C`` (N m s²) of the torque ``-|omega| C omega``, one for
-        each body axis or one for all.
 
     Raises
     ------

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .._checks.arrays import Floats
 from ..drawing.colours import BAND, GRID, HUES, NEUTRAL, PALE, SURFACE, on_ground
 from ..drawing.figure import SMALL, axes_to_draw_on, check_axes, shown_figure
-from ..solve.methods import EXACT
+from ..solve.methods import EXACT, methods
 from .data import ReportData
 from .reference import Reference
 from .table import ERRORS, in_short, known_errors, time_text
@@ -26,25 +26,17 @@ Points: TypeAlias = Sequence[tuple[float, float]]
 """The line of a method: times, or revolutions, and errors."""
 
 
-class Family(NamedTuple):
-    """Methods of one kind, with one colour in all pictures."""
-
-    name: str
-    colour: str
-    members: tuple[str, ...]
-
-
-FAMILIES = (
-    Family("closed form", HUES["black"], (EXACT,)),
-    Family("Runge–Kutta", HUES["vermilion"], ("rk4", "dop853")),
-    Family("Taylor series", HUES["blue"], ("taylor12", "taylor16", "taylor20", "taylor26")),
-    Family("splitting", HUES["green"], ("splitting", "splitting4", "splitting8")),
-    Family("free motion and kicks", HUES["purple"], ("chin4a", "pmlf4", "pmlf6")),
-    Family("Moser–Veselov", HUES["violet"], ("dmv2", "dmv10")),
-    Family("exponential", HUES["orange"], ("etd4",)),
-    Family("midpoint rule", NEUTRAL, ("midpoint",)),
-)
-"""The families of the methods."""
+COLOURS: Mapping[str, str] = {
+    EXACT: HUES["black"],
+    "Runge–Kutta": HUES["vermilion"],
+    "Taylor series": HUES["blue"],
+    "splitting": HUES["green"],
+    "free motion and kicks": HUES["purple"],
+    "Moser–Veselov": HUES["violet"],
+    "exponential": HUES["orange"],
+    "midpoint rule": NEUTRAL,
+}
+"""The colours of closed forms, and of each family of methods."""
 
 OTHERS = HUES["sky"]
 """Colour of own schemes, and of methods of another version in a report from a file."""
@@ -221,7 +213,7 @@ def _draw_methods(ax: Axes, lines: Mapping[str, Points]) -> None:
     """
     ends: list[tuple[float, float, str]] = []
     for method, points in lines.items():
-        colour = on_ground(ax, family_of(method).colour)
+        colour = on_ground(ax, colour_of(method))
         ax.plot(
             *np.transpose(points),
             color=colour,
@@ -239,7 +231,7 @@ def _draw_methods(ax: Axes, lines: Mapping[str, Points]) -> None:
     height = figure.get_size_inches()[1] * ax.get_position().height
     apart = 1.15 * NAME_SIZE / 72.0 / height
     for (y, x, method), place in zip(ends, spread([end[0] for end in ends], apart), strict=True):
-        colour = on_ground(ax, family_of(method).colour)
+        colour = on_ground(ax, colour_of(method))
         ax.plot(
             *([x, 1.015], [y, place]),
             transform=ax.transAxes,
@@ -292,10 +284,10 @@ def spread(heights: Sequence[float], apart: float) -> Floats:
     return placed
 
 
-def family_of(method: str) -> Family:
-    """The family of a method; an own scheme is a family by itself."""
-    own = Family(method, OTHERS, (method,))
-    return next((family for family in FAMILIES if method in family.members), own)
+def colour_of(name: str) -> str:
+    """The colour of a method in all pictures."""
+    families = {EXACT: EXACT, **{method.name: method.family for method in methods()}}
+    return COLOURS.get(families.get(name, ""), OTHERS)
 
 
 def _drawable(points: Points) -> Points:

@@ -24,74 +24,36 @@ use the package.
 
 from __future__ import annotations
 
-from .euler import (
-    EulerRates,
-    euler_axes,
-    euler_rates_from_omega,
-    euler_to_matrix,
-    euler_to_quaternion,
-    matrix_to_euler,
-    omega_from_euler_rates,
-    quaternion_to_euler,
-    rotation_x,
-    rotation_y,
-    rotation_z,
-)
-from .quaternions import (
-    canonical_quaternion,
-    exp_quaternion,
-    log_quaternion,
-    log_so3,
-    matrix_to_quaternion,
-    quaternion_product,
-    quaternion_to_matrix,
-)
-from .sampled import (
-    AttitudePath,
-    attitude_from_omega,
-    attitude_from_samples,
-    omega_from_attitudes,
-)
-from .so3 import (
-    Orthogonality,
-    axis_angle_matrix,
-    exp_so3,
-    hat,
-    nearest_rotation,
-    orthogonality_error,
-    rotate,
-    vee,
-)
+from .._checks.exported import exported as _exported
+from .euler import EulerRates as EulerRates
+from .euler import euler_axes as euler_axes
+from .euler import euler_rates_from_omega as euler_rates_from_omega
+from .euler import euler_to_matrix as euler_to_matrix
+from .euler import euler_to_quaternion as euler_to_quaternion
+from .euler import matrix_to_euler as matrix_to_euler
+from .euler import omega_from_euler_rates as omega_from_euler_rates
+from .euler import quaternion_to_euler as quaternion_to_euler
+from .euler import rotation_x as rotation_x
+from .euler import rotation_y as rotation_y
+from .euler import rotation_z as rotation_z
+from .quaternions import canonical_quaternion as canonical_quaternion
+from .quaternions import exp_quaternion as exp_quaternion
+from .quaternions import log_quaternion as log_quaternion
+from .quaternions import log_so3 as log_so3
+from .quaternions import matrix_to_quaternion as matrix_to_quaternion
+from .quaternions import quaternion_product as quaternion_product
+from .quaternions import quaternion_to_matrix as quaternion_to_matrix
+from .sampled import AttitudePath as AttitudePath
+from .sampled import attitude_from_omega as attitude_from_omega
+from .sampled import attitude_from_samples as attitude_from_samples
+from .sampled import omega_from_attitudes as omega_from_attitudes
+from .so3 import Orthogonality as Orthogonality
+from .so3 import axis_angle_matrix as axis_angle_matrix
+from .so3 import exp_so3 as exp_so3
+from .so3 import hat as hat
+from .so3 import nearest_rotation as nearest_rotation
+from .so3 import orthogonality_error as orthogonality_error
+from .so3 import rotate as rotate
+from .so3 import vee as vee
 
-__all__ = [
-    "AttitudePath",
-    "EulerRates",
-    "Orthogonality",
-    "attitude_from_omega",
-    "attitude_from_samples",
-    "axis_angle_matrix",
-    "canonical_quaternion",
-    "euler_axes",
-    "euler_rates_from_omega",
-    "euler_to_matrix",
-    "euler_to_quaternion",
-    "exp_quaternion",
-    "exp_so3",
-    "hat",
-    "log_quaternion",
-    "log_so3",
-    "matrix_to_euler",
-    "matrix_to_quaternion",
-    "nearest_rotation",
-    "omega_from_attitudes",
-    "omega_from_euler_rates",
-    "orthogonality_error",
-    "quaternion_product",
-    "quaternion_to_euler",
-    "quaternion_to_matrix",
-    "rotate",
-    "rotation_x",
-    "rotation_y",
-    "rotation_z",
-    "vee",
-]
+__all__ = _exported(globals())

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +21,7 @@ from ..solve.methods import adaptive_methods
 from ..solve.request import Problem
 from ..solve.simulate import simulate
 from ..solve.status import Status
-from ..solve.surfaces import Watched, default_method, default_tolerance, search_of
+from ..solve.surfaces import Watched, default_method, default_tolerance, found_points
 from .crossings import Crossings
 from .surface import Section, at_equal_times, checked_section
 
@@ -149,7 +148,7 @@ def poincare(
             scene=scene, record="attitude", bodies=bodies, reach=(0.0, end), states=0, **how
         )
         shape, plan = bodies.shape, choose_method(problem).plan()
-        with Listening(progress, 2 if check else 1):
+        with Listening(progress):
             columns = _crossed(problem, surface, most, check=check)
     else:
         if section is not None:
@@ -184,8 +183,8 @@ def _crossed(
     assert method is not None
     # The height of the centre of mass has another normal in each body.
     normals = surface.normals(problem.scene, np.broadcast_to(bodies.weight, (len(bodies), 3)))
-    search = search_of(problem, Watched((surface.event(),), (True,), most), method)
-    found = replace(search, normal=normals[:, np.newaxis]).found(check=check)
+    watched = Watched((surface.event(),), (True,), most)
+    found = found_points(problem, watched, method, check=check, normals=normals[:, np.newaxis])
     lost = np.isfinite(found["lost_from"]) if check else True
     told = Status.FLAGGED if check else Status.UNCHECKED
     return {

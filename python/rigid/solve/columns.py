@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from .._archive import write_archive
 from .._checks.extras import install_extra
-from .._files import OTHERS, TABLE, published
+from .._files import TABLE, published
 from ..model.batch import Shape
 from ..model.forces import FORCES
 from ..model.scene import Scene, scene_from_dict
@@ -194,7 +194,7 @@ class Result(HasColumns):
         ...         str(file["verdict"])
         'regular'
         """
-        write_archive(path, self._saved(), OTHERS)
+        write_archive(path, self._saved())
         return Path(path)
 
     def to_xarray(self) -> xarray.Dataset:

@@ -19,7 +19,7 @@ from ..model.scene import Scene
 from .columns import Column, Columns, HasColumns
 from .methods import EXACT, adaptive_methods
 from .request import Problem
-from .surfaces import Watched, search_of
+from .surfaces import Watched, found_points
 
 
 class Points(HasColumns):
@@ -241,7 +241,7 @@ def find_events(problem: Problem, watched: Watched, method: str, *, check: bool)
 
     The states are in principal axes, whatever the frame of the events.
     """
-    found: dict[str, Any] = search_of(problem, watched, method).found(check=check)
+    found = found_points(problem, watched, method, check=check)
     scene, bodies = problem.scene, problem.bodies
     assert bodies is not None
     records = []

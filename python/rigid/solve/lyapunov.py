@@ -280,7 +280,6 @@ def _grown(
         bodies,
         method=method,
         deviations=np.ascontiguousarray(vectors.reshape(-1, 6)),
-        scale=_core.rate_units(bodies),
         of_attitude=of == "attitude",
         times=times,
         step=np.ascontiguousarray(steps),
@@ -291,28 +290,25 @@ def _grown(
 
 def _pairs(bodies: Bodies, first: Floats) -> Floats:
     """For each body twice, the same deviation vector (n, 6) and another, (n, 2, 6)."""
-    starts, scale = _core.deviation_starts(bodies), _core.rate_units(bodies)
-    first_in_units, in_units = (_unscaled(one, 1.0 / scale) for one in (first, starts[:, 1]))
-    alike = np.linalg.norm(first_in_units - in_units, axis=1) < 1e-8
-    other = np.where(alike[:, np.newaxis], starts[:, 0], starts[:, 1])
-    return np.stack([first, other], axis=1)
+    starts = _core.deviation_starts(bodies)
+    # A unit that overflows belongs to a body that is not run.
+    with np.errstate(invalid="ignore"):
+        apart = (first[:, np.newaxis] - starts[:, 1:]) / _units(bodies)
+    alike = np.linalg.norm(apart, axis=2) < 1e-8
+    return np.stack([first, np.where(alike, starts[:, 0], starts[:, 1])], axis=1)
 
 
-def _unscaled(vectors: Floats, scale: Floats) -> Floats:
-    """Deviation vectors (n, ..., 6) in rad/s and rad, from the units of the bodies."""
-    unit = np.repeat(scale[:, np.newaxis], 3, axis=1)
-    units = np.concatenate([unit, np.ones_like(unit)], axis=1)
-    # A scale that overflows belongs to a body that is not run.
-    with np.errstate(invalid="ignore", over="ignore"):
-        scaled: Floats = vectors * (units[:, np.newaxis] if vectors.ndim == 3 else units)
-    return scaled
+def _units(bodies: Bodies) -> Floats:
+    """The units of the six numbers of a deviation vector (rad/s and rad), (n, 1, 6)."""
+    units = np.ones((len(bodies), 1, 6))
+    units[..., :3] = _core.rate_units(bodies)[:, np.newaxis, np.newaxis]
+    return units
 
 
 def _deviations(bodies: Bodies, start: ArrayLike | None, count: int, of: str) -> Floats:
     """Deviation vectors of each body at its start, (n, k, 6)."""
-    scale = _core.rate_units(bodies)
     if start is None:
-        several = _unscaled(np.broadcast_to(GENERIC[:count], (len(bodies), count, 6)), scale)
+        several = GENERIC[:count] * _units(bodies)
         several[:, 0] = _core.deviation_starts(bodies)[:, 0]
         return several
     given = np.atleast_2d(numbers("start", start))
@@ -323,7 +319,7 @@ def _deviations(bodies: Bodies, start: ArrayLike | None, count: int, of: str) ->
     # Growth does not depend on the size: by powers of two, so that no square leaves the doubles.
     given = np.ldexp(given, -np.frexp(np.abs(given).max(axis=1, keepdims=True))[1])
     several = np.broadcast_to(given, (len(bodies), count, 6))
-    for body, vectors in enumerate(_measured(bodies, several, scale, of)):
+    for body, vectors in enumerate(_measured(bodies, several, of)):
         sizes = np.linalg.norm(vectors, axis=1)
         if not (sizes > 1e-12 * np.linalg.norm(given, axis=1)).all():
             raise ValueError(f"start: a deviation vector of body {body} has no size of = {of!r}")
@@ -332,9 +328,9 @@ def _deviations(bodies: Bodies, start: ArrayLike | None, count: int, of: str) ->
     return np.array(several)
 
 
-def _measured(bodies: Bodies, vectors: Floats, scale: Floats, of: str) -> Floats:
+def _measured(bodies: Bodies, vectors: Floats, of: str) -> Floats:
     """The vectors whose lengths are the sizes of deviation vectors (n, k, 6)."""
-    scaled = _unscaled(vectors, 1.0 / scale)
+    scaled = vectors / _units(bodies)
     if of == "attitude":
         return scaled
     turned = np.cross(bodies.gammas()[:, np.newaxis], scaled[..., 3:])

@@ -55,8 +55,8 @@ class Method:
     ----------
     name : str
         The name for the argument ``method`` of functions.
-    title : str
-        One line.
+    title, family : str
+        One line; methods of one kind have one family, and one colour in pictures.
     order : int
         The error of a run falls as ``step**order``.
     stages : int
@@ -99,6 +99,7 @@ class Method:
 
     name: str
     title: str
+    family: str
     order: int
     stages: int
     symplectic: bool

@@ -150,12 +150,8 @@ def simulate(
         * ``"torque1"`` to ``"torque3"``, a constant torque about a body axis, added to the torque
           (N m).
 
-        Parameters of forces that act:
-
-        * ``"rotor1"`` to ``"rotor3"``;
-        * ``"drag"`` and ``"dissipation"``, one coefficient added to all, or with the number of an
-          axis the coefficient of this axis;
-        * ``"rate"``, ``"eccentricity"`` and ``"anomaly"`` of an orbit.
+        Parameters of forces that act have the names of maps, such as ``"rotor1"``,
+        ``"dissipation2"``, ``"drag"``, one coefficient added to all, and ``"rate"`` of an orbit.
     events : Event or sequence of Event, optional
         Events to find from 0 to the last time, made by :func:`crosses` and :func:`turns`.
         :attr:`Run.events` has their times and the states then. Events are found by the closed form
@@ -293,8 +289,8 @@ def simulate(
     )
     is_brief = len(bodies) * times.shape[-1] < AT_ONCE and problem.is_plain
     progress = False if is_brief and progress is None else progress
-    # One more run, and its second run, find the events.
-    with Listening(progress, 1 if watched is None else 3 if check else 2):
+    # One more run finds the events.
+    with Listening(progress, 1 if watched is None else 2):
         made = solve(problem, check=check, watched=watched, parameters=parameters, target=target)
     columns = made.states
     if "energy" in derived:

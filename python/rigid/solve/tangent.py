@@ -21,8 +21,8 @@ from .._checks.arrays import AttitudeLike, Floats
 from ..model.batch import in_rows
 from ..model.bodies import Bodies, bodies_of
 from ..model.body import Body
-from ..model.forces import FORCES, forces_in_words
-from ..model.parameters import CHANGES, OF_WEIGHT, PARAMETERS
+from ..model.forces import CHANGES, FORCES, forces_in_words
+from ..model.parameters import OF_WEIGHT, PARAMETERS
 from ..model.scene import Scene, check_scene
 from .methods import EXACT, TO_ROUNDING, run_methods, tangent_methods
 from .request import Request

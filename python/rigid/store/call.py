@@ -106,11 +106,9 @@ def stability_map(
     t_end : float
         Horizon in s: *stable* means stable until then. By default the last time of :func:`judged`.
     stable : Criterion
-        The criterion: :func:`no_flip`, :func:`tilt_below`, :func:`tilt_between`,
-        :func:`rate_within`, :func:`near_start`, :func:`returns`, :func:`spin_above`,
-        :func:`pointing_within`, :func:`librates`, :func:`roll_within`, :func:`pitch_within`,
-        :func:`yaw_within`, alone or joined by ``&``, ``|`` and ``~``;
-        :func:`regular`; or a custom criterion by :func:`judged`.
+        The criterion, such as :func:`no_flip`, :func:`tilt_below`, :func:`near_start` or
+        :func:`pointing_within`, alone or joined by ``&``, ``|`` and ``~``; :func:`regular`; or a
+        custom criterion by :func:`judged`. The guide of maps has a table of all.
     start : Start or Mixture, optional
         Nominal start and perturbations. By default a free body spins at 1 rad/s about the axis of
         its middle moment with ``noise=normal(1e-3)``, and a top at 5 rad/s about axis 3 with

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, positive_int, resolve_threads
 from .._checks.progress import ProgressOption
-from .._files import MAP, OTHERS, require_ending
+from .._files import MAP, require_ending
 from ..drawing.figure import html_with_picture
 from ..maps.data import CLASSES, MapData, counted
 from ..maps.dataset import map_dataset, map_table, write_zarr
@@ -699,7 +699,7 @@ class StabilityMap(MapData):
         ...     bool((rigid.load_map(path).stable == result.stable).all())
         True
         """
-        require_ending(path, MAP, others=OTHERS)
+        require_ending(path, MAP)
         write = write_zarr if os.fspath(path).endswith(".zarr") else write_map
         return write(self, path)
 

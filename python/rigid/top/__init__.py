@@ -11,50 +11,36 @@ The package uses :mod:`rigid.exact`, :mod:`rigid.free`, runs and starts of secti
 neither maps nor the planner. :mod:`rigid.figures` uses it.
 """
 
-from ..exact import SteadyPrecession, steady_precession
-from ..sections.starts import on_surface
-from .constants import HeavyConstants, gravity_torque, heavy_constants, precession_spin_rates
-from .cubic import Roots, f_roots, f_u, nutation_period, time_of, u_of
-from .loci import Advance, FastTop, Locus, advance, classify_locus, fast_top_approx, locus
-from .potential import EffectivePotential, effective_minimum, effective_potential, turning_angles
-from .steady import (
-    SleepingTop,
-    SpinDown,
-    sleeping_top,
-    spin_down,
-    spin_from_precession,
-    upright_f,
-)
+from .._checks.exported import exported as _exported
+from ..exact import SteadyPrecession as SteadyPrecession
+from ..exact import steady_precession as steady_precession
+from ..sections.starts import on_surface as on_surface
+from .constants import HeavyConstants as HeavyConstants
+from .constants import gravity_torque as gravity_torque
+from .constants import heavy_constants as heavy_constants
+from .constants import precession_spin_rates as precession_spin_rates
+from .cubic import Roots as Roots
+from .cubic import f_roots as f_roots
+from .cubic import f_u as f_u
+from .cubic import nutation_period as nutation_period
+from .cubic import time_of as time_of
+from .cubic import u_of as u_of
+from .loci import Advance as Advance
+from .loci import FastTop as FastTop
+from .loci import Locus as Locus
+from .loci import advance as advance
+from .loci import classify_locus as classify_locus
+from .loci import fast_top_approx as fast_top_approx
+from .loci import locus as locus
+from .potential import EffectivePotential as EffectivePotential
+from .potential import effective_minimum as effective_minimum
+from .potential import effective_potential as effective_potential
+from .potential import turning_angles as turning_angles
+from .steady import SleepingTop as SleepingTop
+from .steady import SpinDown as SpinDown
+from .steady import sleeping_top as sleeping_top
+from .steady import spin_down as spin_down
+from .steady import spin_from_precession as spin_from_precession
+from .steady import upright_f as upright_f
 
-__all__ = [
-    "Advance",
-    "EffectivePotential",
-    "FastTop",
-    "HeavyConstants",
-    "Locus",
-    "Roots",
-    "SleepingTop",
-    "SpinDown",
-    "SteadyPrecession",
-    "advance",
-    "classify_locus",
-    "effective_minimum",
-    "effective_potential",
-    "f_roots",
-    "f_u",
-    "fast_top_approx",
-    "gravity_torque",
-    "heavy_constants",
-    "locus",
-    "nutation_period",
-    "on_surface",
-    "precession_spin_rates",
-    "sleeping_top",
-    "spin_down",
-    "spin_from_precession",
-    "steady_precession",
-    "time_of",
-    "turning_angles",
-    "u_of",
-    "upright_f",
-]
+__all__ = _exported(globals())

@@ -55,6 +55,7 @@ pub struct Called {
 }
 
 type Values = [f64; PLACES];
+type Eight = Arr<f64, EIGHT>;
 
 impl Called {
     /// A function that is told all and writes its value as the first number of a torque.
@@ -90,21 +91,21 @@ impl Called {
         self.positive[lane] = None;
     }
 
-    /// Finds the wanted zeros of the last step of a lane with their slopes, by the step, NaN where the function jumps; returns
-    /// whether the function has its value all along, or `None` if it is no number. `error` is that of the state, relative to
+    /// Finds the wanted zeros of the last step of a lane with their slopes, by the step, NaN where the function jumps, and
+    /// `Point::share`; returns whether the function has its value all along, or `None` if it is no number. `error` is that of the state, relative to
     /// its scale.
     pub fn zeros(
         &mut self,
         lane: usize,
         error: f64,
         told: &impl Fn(f64) -> Told,
-        found: &mut impl FnMut(Zero, f64),
+        found: &mut impl FnMut(Zero, [f64; 2]),
     ) -> Option<bool> {
         self.error = error;
         let wanted = self.direction;
         self.zeros_of_piece(lane, [0.0, 1.0], DEPTH, told, &mut |zero, slope| {
             if wanted == 0 || zero.direction == 0 || zero.direction == wanted {
-                found(zero, slope);
+                found(zero, [slope, 1.0]);
             }
         })
     }
@@ -119,8 +120,8 @@ impl Called {
     ) -> Option<bool> {
         let (width, mut values) = (high - low, [0.0; PLACES]);
         for half in 0..2 {
-            let at = self.eight(half).map(|x| low + x * width);
-            let own = self.values(lane, at, told)?;
+            let told = std::array::from_fn(|k| told(low + self.places[EIGHT * half + k] * width));
+            let own = self.values::<Eight, EIGHT>(lane, told)?;
             values[EIGHT * half..][..EIGHT].copy_from_slice(&own);
         }
         let largest = values.iter().fold(self.scale.0[lane], |a, b| a.max(b.abs()));
@@ -166,20 +167,18 @@ impl Called {
         Some(false)
     }
 
-    /// The places of the first or second half of a piece.
-    fn eight(&self, half: usize) -> [f64; EIGHT] {
-        std::array::from_fn(|k| self.places[EIGHT * half + k])
+    /// The function less the value of a lane; no number where the function is none.
+    pub fn value(&self, lane: usize, told: Told) -> f64 {
+        self.values::<f64, 1>(lane, [told]).map_or(f64::NAN, |[value]| value)
     }
 
-    /// The function less the value at eight places of the step; `None` if one is no number.
-    fn values(&self, lane: usize, at: [f64; EIGHT], told: &impl Fn(f64) -> Told) -> Option<[f64; EIGHT]> {
-        type Eight = Arr<f64, EIGHT>;
-        let told = at.map(told);
+    /// The function less the value at some places; `None` if one is no number.
+    fn values<R: Real, const N: usize>(&self, lane: usize, told: [Told; N]) -> Option<[f64; N]> {
         let each = |number: &dyn Fn(&Told) -> f64| {
             let numbers = told.each_ref().map(number);
-            Eight::load(&numbers)
+            R::load(&numbers)
         };
-        let calls = self.rows.of::<Eight>(0).expect("eight functions");
+        let calls = self.rows.of::<R>(0).expect("eight functions");
         let returned = calls.returned(
             each(&|one| one.time),
             &std::array::from_fn(|k| each(&|one| one.omega[k])),
@@ -187,7 +186,7 @@ impl Called {
             &std::array::from_fn(|k| each(&|one| one.states[k])),
             (&std::array::from_fn(|k| each(&|one| one.place[k])), false),
         );
-        let mut values = [0.0; EIGHT];
+        let mut values = [0.0; N];
         returned.torque[0].store(&mut values);
         let values = values.map(|value| value - self.value.0[lane]);
         values.iter().all(|value| value.is_finite()).then_some(values)
@@ -219,7 +218,7 @@ impl Called {
         for round in 1..=NARROWINGS[1] {
             let share = (behind.0 - before.0) / (EIGHT + 1) as f64;
             let places = std::array::from_fn(|k| before.0 + (k + 1) as f64 * share);
-            let values = self.values(lane, places, told)?;
+            let values = self.values::<Eight, EIGHT>(lane, places.map(told))?;
             for next in places.into_iter().zip(values) {
                 if (next.1 >= 0.0) == (behind.1 >= 0.0) {
                     behind = next;

@@ -5,6 +5,8 @@
 //! of such a quantity. So it is a polynomial inside each step, whose zeros can be counted. In most steps a sum of its
 //! coefficients shows that there is none. A body with a closed form may begin each step at its state in closed form:
 //! the errors of steps then do not add up.
+//!
+//! In a second run the same functions tell how far off the surfaces a body is at the times of its points.
 
 mod called;
 mod surface_function;
@@ -18,7 +20,9 @@ use crate::call::Call;
 use crate::error::{Error, refuse};
 use crate::exact::{CanonicalForm, Evaluator, Question, StartRows, StateRows};
 use crate::forces::{ForceSet, MOST_STATES, TorqueCall};
-use crate::kernel::{Entry, Job, Kernel, KernelAssignment, Needs, State, System, drive, load, read, unload};
+use crate::kernel::{
+    AdaptiveSteps, Entry, Job, Kernel, KernelAssignment, Needs, State, System, drive, load, read, unload,
+};
 use crate::memory;
 use crate::method::{Method, Step};
 use crate::observe::Observed;
@@ -101,6 +105,7 @@ pub struct SurfaceKind {
 }
 
 /// The section that is wanted.
+#[derive(Clone, Copy)]
 pub struct Section<'a> {
     /// The kinds of surfaces, at most `MOST_KINDS`.
     pub kinds: &'a [SurfaceKind],
@@ -108,8 +113,6 @@ pub struct Section<'a> {
     pub surfaces: &'a [Surface],
     /// Number of points that count after which a body ends.
     pub count: usize,
-    /// Time at which the motion of each body ends.
-    pub ends: &'a [f64],
     /// Whether each step begins at the state in closed form.
     pub closed: bool,
 }
@@ -131,10 +134,16 @@ pub struct Point {
     pub states: [f64; MOST_STATES],
     /// Rate of what is zero on the surface.
     pub slope: f64,
+    /// What this is times the rate of an angle; one without any.
+    pub share: f64,
     /// 1 rising, -1 falling, 0 if the motion touches the surface as far as can be told.
     pub direction: i8,
     /// Whether rounding may decide about the crossing.
     pub grazes: bool,
+    /// What is zero on the surface, at this time in a second run; no number without one.
+    pub off: f64,
+    /// The error of the time; no number if it is not known.
+    pub error: f64,
 }
 
 /// The points of one body, in the order of their times, and how it ended.
@@ -154,11 +163,21 @@ pub struct Crossings {
     pub end: f64,
     /// Steps of the body.
     pub steps: u64,
+    /// The time from which on the points are lost; infinite if there is none, no number if it is not known.
+    pub lost_from: f64,
     /// Number of points that count.
     counted: u64,
 }
 
-/// The points of all bodies of a request, which has a tolerance; its schedule is ignored.
+impl Crossings {
+    /// Whether no point on the surface of this kind is missed or doubtful.
+    pub fn are_complete(&self, kind: usize) -> bool {
+        let grazes = |point: &Point| point.grazes && point.kind as usize == kind;
+        self.status == Status::Finished && self.stays >> kind & 1 == 0 && !self.points.iter().any(grazes)
+    }
+}
+
+/// The points of all bodies of a request, which has a tolerance, until its last time.
 ///
 /// # Errors
 /// If the method is no Taylor series or does not move the bodies, if the request was stopped, or if the points do not
@@ -171,7 +190,6 @@ pub fn section(
 ) -> Result<Vec<Crossings>, Error> {
     let n = request.bodies.len();
     assert_eq!(section.surfaces.len(), n * section.kinds.len());
-    assert_eq!(section.ends.len(), n);
     method.check(request.scene)?;
     if section.kinds.len() > MOST_KINDS {
         let rule = "a run watches 32 at most";
@@ -206,27 +224,54 @@ pub fn section(
         energy_drift: 0.0,
         end: 0.0,
         steps: 0,
+        lost_from: f64::NAN,
         counted: 0,
     };
     let mut all = memory::filled("sections of bodies", n, none)?;
-    let points = AtomicU64::new(0);
+    run(request, method, section, (&mut all, false), call)?;
+    Ok(all)
+}
+
+/// Writes what is zero on the surfaces in a second run at the times of known points.
+///
+/// # Errors
+/// If the request was stopped, or does not fit into memory.
+pub fn look_again(
+    request: &Request,
+    method: &Method,
+    section: &Section,
+    all: &mut [Crossings],
+    call: Call,
+) -> Result<(), Error> {
+    run(request, method, &Section { closed: false, ..*section }, (all, true), call)
+}
+
+/// Finds the points of all bodies, or looks at known points again.
+fn run(
+    request: &Request,
+    method: &Method,
+    section: &Section,
+    (all, again): (&mut [Crossings], bool),
+    call: Call,
+) -> Result<(), Error> {
+    let (n, points) = (all.len(), AtomicU64::new(0));
     let size = n.div_ceil(4).div_ceil(call.threads.max(1)).clamp(LANES, BLOCK);
     let blocks = all.chunks_mut(size).enumerate().map(|(index, part)| (index * size, part));
-    over_blocks(blocks, call.threads, call.stop, |(first, crossings)| {
+    let done = over_blocks(blocks, call.threads, call.stop, |(first, crossings)| {
         let block = first..first + crossings.len();
         let mut integrations = memory::reserved("bodies of a block", block.len())?;
         for index in block.clone() {
             integrations.push(Integration::of(request, method, index, section.closed)?);
         }
         for members in kinds_in(block.clone(), |index| integrations[index - first].kind())? {
-            let own = (&mut *crossings, &points);
+            let own = (&mut *crossings, &points, again);
             let mut job =
                 SectionJob::new(request, section, &integrations, block.clone(), &members, own, call)?;
             drive(&mut job)?;
         }
         Ok(())
-    })?;
-    Ok(all)
+    });
+    done.map(|_nanoseconds| ())
 }
 
 /// How a body is integrated: as a top in its own frame, a free body as one without weight.
@@ -261,6 +306,9 @@ struct Task {
     body: usize,
     /// A bound of its rates.
     rate: f64,
+    steps: u64,
+    /// The next of its known points.
+    next: usize,
 }
 
 /// A zero in the last step of a lane.
@@ -268,7 +316,15 @@ struct Task {
 struct Found {
     zero: Zero,
     slope: f64,
+    share: f64,
     kind: usize,
+}
+
+/// What is zero on the surfaces of a kind.
+#[allow(clippy::large_enum_variant)] // Neither is copied.
+enum Function {
+    Surface(SurfaceFunction),
+    Called(Called),
 }
 
 /// Closed forms of the bodies of the lanes.
@@ -289,15 +345,17 @@ struct SectionJob<'a> {
     queue: Vec<usize>,
     lanes: AdaptiveLanes<'a>,
     closed: Option<ClosedForms>,
-    /// The surfaces of each kind, with its index.
-    surfaces: Vec<(usize, SurfaceFunction)>,
-    /// The functions of the others.
-    called: Vec<(usize, Called)>,
+    /// What is zero on the surfaces of each kind.
+    functions: Vec<Function>,
     /// The zeros of the last step of a lane.
     found: Vec<Found>,
     crossings: &'a mut [Crossings],
     /// Points of all bodies, of all threads.
     points: &'a AtomicU64,
+    /// Whether the points are known.
+    again: bool,
+    /// Room for the state and its rate at a known point.
+    here: AdaptiveSteps,
     /// Rounds of the group.
     rounds: u64,
 }
@@ -309,7 +367,7 @@ impl<'a> SectionJob<'a> {
         integrations: &'a [Integration],
         block: Range<usize>,
         members: &[usize],
-        (crossings, points): (&'a mut [Crossings], &'a AtomicU64),
+        (crossings, points, again): (&'a mut [Crossings], &'a AtomicU64, bool),
         call: Call<'a>,
     ) -> Result<Self, Error> {
         let integration = integrations[members[0]];
@@ -325,21 +383,14 @@ impl<'a> SectionJob<'a> {
             Kernel { system: System::carrying(&TOP, step, needs), step, observed: Observed::Nothing };
         // The polynomial of a Runge-Kutta step is no series cut at its order: the product of the momentum and of two parts
         // of the quaternion has all their terms.
-        let order = step.numbers.order * if step.is_series() { 1 } else { 3 };
-        let queue = members.iter().rev().copied();
-        let system = kernel.system;
-        let mut surfaces = memory::reserved("surfaces", section.kinds.len())?;
-        let mut called = memory::reserved("surfaces", section.kinds.len())?;
-        for (index, &kind) in section.kinds.iter().enumerate() {
-            let own =
-                |&member: &usize| &section.surfaces[(block.start + member) * section.kinds.len() + index];
-            match kind.function {
-                Some(function) => called.push((index, Called::new(function, kind.direction))),
-                None => {
-                    surfaces.push((index, SurfaceFunction::new(kind, members.iter().map(own), system, order)))
-                }
-            }
-        }
+        // At a known point the state and its rate are enough.
+        let order = if again { 1 } else { step.numbers.order * if step.is_series() { 1 } else { 3 } };
+        let waits = |&member: &usize| !again || !crossings[member].points.is_empty();
+        let queue = members.iter().rev().copied().filter(waits);
+        let function = |&kind: &SurfaceKind| match kind.function {
+            Some(function) => Function::Called(Called::new(function, kind.direction)),
+            None => Function::Surface(SurfaceFunction::new(kind, kernel.system, order)),
+        };
         let closed = integration.form.map(|form| ClosedForms {
             evaluator: form.evaluator(),
             isa: call.isa,
@@ -355,11 +406,16 @@ impl<'a> SectionJob<'a> {
             queue: memory::collected("bodies of a block", members.len(), queue)?,
             lanes: AdaptiveLanes::new(request, kernel, call, tolerance)?,
             closed,
-            surfaces,
-            called,
+            functions: memory::collected(
+                "surfaces",
+                section.kinds.len(),
+                section.kinds.iter().map(function),
+            )?,
             found: Vec::new(),
             crossings,
             points,
+            again,
+            here: AdaptiveSteps::inactive(tolerance, 1)?,
             rounds: 0,
         })
     }
@@ -395,25 +451,17 @@ impl<'a> SectionJob<'a> {
 
     /// Finds the points of the last step of a lane. Whether its body moves on.
     fn after_step(&mut self, lane: usize, task: Task, own: &mut Crossings) -> Result<bool, Error> {
+        own.steps = task.steps;
         let now = self.lanes.steps.now[0].0[lane];
         if !now.is_finite() {
             own.status = Status::NotFinite;
             own.energy_drift = f64::NAN;
             return Ok(self.leave(lane));
         }
-        let end = self.section.ends[self.block.start + task.body];
+        let [_, end] = self.request.range_of(self.block.start + task.body);
         own.end = now.min(end);
         let error = if self.closed.is_some() { CLOSED_ERROR * task.rate * now } else { 0.0 };
-        let step = self.lanes.group.step.0[lane];
-        self.found.clear();
-        for (kind, surface) in &mut self.surfaces {
-            let found = &mut self.found;
-            let stays = surface.zeros(lane, error, &mut |zero, slope| {
-                found.push(Found { zero, slope: slope / step, kind: *kind });
-            });
-            own.stays |= u32::from(stays) << *kind;
-        }
-        if !self.zeros_of_functions(lane, task, error, own) {
+        if !self.find_zeros(lane, task, error, own) {
             own.status = Status::NotFinite;
             return Ok(self.leave(lane));
         }
@@ -422,7 +470,7 @@ impl<'a> SectionJob<'a> {
         }
         for index in 0..self.found.len() {
             let found = self.found[index];
-            let point = self.point(lane, task, found, own)?;
+            let point = self.point(lane, task, found, own);
             if !(point.time > 0.0) {
                 continue;
             }
@@ -442,19 +490,54 @@ impl<'a> SectionJob<'a> {
             }
         }
         if now >= end {
-            self.note_end(lane, task, own);
+            let assignment = self.integrations[task.body].assignment;
+            self.note_drift(lane, &unload(&self.lanes.group, lane, self.lanes.kernel, assignment), own);
             return Ok(self.leave(lane));
         }
-        if own.steps >= self.request.max_steps {
+        if task.steps >= self.request.max_steps {
             own.status = Status::StepLimit;
             return Ok(self.leave(lane));
         }
-        if self.lanes.pass_knot(lane, self.block.start + task.body, false) {
-            // The torque may jump there, and the slope with it.
-            self.surfaces.iter_mut().for_each(|(_, surface)| surface.bend(lane));
+        Ok(self.go_on(lane, task))
+    }
+
+    /// Writes what is zero on the surfaces at the known points of the last step of a lane. Whether its body moves on.
+    fn look_at_points(&mut self, lane: usize, task: &mut Task, points: &mut [Point]) -> bool {
+        let mut functions = std::mem::take(&mut self.functions);
+        let (steps, group) = (&self.lanes.steps, &self.lanes.group);
+        let ([begin, lost], now) = (steps.begin.each_ref().map(|row| row.0[lane]), steps.now[0].0[lane]);
+        while let Some(point) = points.get_mut(task.next).filter(|point| point.time <= now) {
+            let passed = (point.time - begin) - lost;
+            point.off = match &mut functions[point.kind as usize] {
+                Function::Surface(surface) => {
+                    surface.value(lane, passed / steps.unit.0[lane], group, (steps, &mut self.here))
+                }
+                Function::Called(called) => {
+                    called.value(lane, self.told(lane, *task, passed / group.step.0[lane]))
+                }
+            };
+            task.next += 1;
         }
-        self.lanes.aim(lane, end, false);
-        Ok(true)
+        self.functions = functions;
+        if task.next == points.len() || !now.is_finite() || task.steps >= self.request.max_steps {
+            return self.leave(lane);
+        }
+        self.go_on(lane, *task)
+    }
+
+    /// Aims at the end of a body under the forces of its next step.
+    fn go_on(&mut self, lane: usize, task: Task) -> bool {
+        let index = self.block.start + task.body;
+        if self.lanes.pass_knot(lane, index, false) {
+            for function in &mut self.functions {
+                if let Function::Surface(surface) = function {
+                    // The torque may jump there, and the slope with it.
+                    surface.bend(lane);
+                }
+            }
+        }
+        self.lanes.aim(lane, self.request.range_of(index)[1], false);
+        true
     }
 
     /// The state at a zero in the last step of a lane.
@@ -462,12 +545,12 @@ impl<'a> SectionJob<'a> {
         &self,
         lane: usize,
         task: Task,
-        Found { zero, slope, kind }: Found,
+        Found { zero, slope, share, kind }: Found,
         own: &mut Crossings,
-    ) -> Result<Point, Error> {
+    ) -> Point {
         let (time, state, attitude) = self.inside(lane, task, zero.at);
         self.note_drift(lane, &state, own);
-        Ok(Point {
+        Point {
             kind: kind as u32,
             time,
             omega: state.omega,
@@ -475,9 +558,12 @@ impl<'a> SectionJob<'a> {
             attitude,
             states: state.states.unwrap_or([0.0; MOST_STATES]),
             slope,
+            share,
             direction: zero.direction,
             grazes: zero.grazes,
-        })
+            off: f64::NAN,
+            error: f64::NAN,
+        }
     }
 
     /// Time, state, and attitude with a scalar that is not negative, at a share of the last step of a lane.
@@ -492,35 +578,36 @@ impl<'a> SectionJob<'a> {
         (time, state, if attitude[0] < 0.0 { attitude.map(|x| -x) } else { attitude })
     }
 
-    /// Finds the zeros of the functions in the last step of a lane; returns whether all functions return numbers.
-    fn zeros_of_functions(&mut self, lane: usize, task: Task, error: f64, own: &mut Crossings) -> bool {
-        let (mut called, mut zeros) = (std::mem::take(&mut self.called), std::mem::take(&mut self.found));
+    /// What functions are told at a share of the last step of a lane.
+    fn told(&self, lane: usize, task: Task, share: f64) -> Told {
+        let (time, State { omega, states, .. }, attitude) = self.inside(lane, task, share);
+        let place = self.request.forces_of(self.block.start + task.body).place(time);
+        Told { time, omega, attitude, states: states.unwrap_or([0.0; MOST_STATES]), place }
+    }
+
+    /// Finds the zeros in the last step of a lane; returns whether all functions return numbers.
+    fn find_zeros(&mut self, lane: usize, task: Task, error: f64, own: &mut Crossings) -> bool {
+        let (mut functions, mut all) = (std::mem::take(&mut self.functions), std::mem::take(&mut self.found));
         let step = self.lanes.group.step.0[lane];
-        let forces = self.request.forces_of(self.block.start + task.body);
-        let told = |share: f64| {
-            let (time, State { omega, states, .. }, attitude) = self.inside(lane, task, share);
-            let states = states.unwrap_or([0.0; MOST_STATES]);
-            Told { time, omega, attitude, states, place: forces.place(time) }
-        };
+        all.clear();
         let mut are_finite = true;
-        for (kind, function) in &mut called {
-            let stays = function.zeros(lane, error, &told, &mut |zero, slope| {
-                zeros.push(Found { zero, slope: slope / step, kind: *kind });
-            });
+        for (kind, function) in functions.iter_mut().enumerate() {
+            let mut found =
+                |zero, [slope, share]: [f64; 2]| all.push(Found { zero, slope: slope / step, share, kind });
+            let stays = match function {
+                Function::Surface(surface) => Some(surface.zeros(lane, error, &mut found)),
+                Function::Called(called) => {
+                    called.zeros(lane, error, &|share| self.told(lane, task, share), &mut found)
+                }
+            };
             are_finite &= stays.is_some();
-            own.stays |= u32::from(stays == Some(true)) << *kind;
+            own.stays |= u32::from(stays == Some(true)) << kind;
         }
-        (self.called, self.found) = (called, zeros);
+        (self.functions, self.found) = (functions, all);
         are_finite
     }
 
-    /// The errors of the invariants at the end of a motion.
-    fn note_end(&self, lane: usize, task: Task, own: &mut Crossings) {
-        let state =
-            unload(&self.lanes.group, lane, self.lanes.kernel, self.integrations[task.body].assignment);
-        self.note_drift(lane, &state, own);
-    }
-
+    /// Notes the errors of the invariants of a state.
     fn note_drift(&self, lane: usize, state: &State, own: &mut Crossings) {
         // A closed form does not drift.
         if self.closed.is_some() {
@@ -550,20 +637,20 @@ impl Job for SectionJob<'_> {
         self.lanes.entered += 1;
         let (index, integration) = (self.block.start + member, self.integrations[member]);
         let (body, forces) = (&self.request.bodies[index], self.request.forces_of(index));
-        let end = self.section.ends[index];
-        let rate = self.lanes.enter(lane, index, integration.assignment, [0.0, end], false);
-        self.lanes.aim(lane, end, false);
+        let range = self.request.range_of(index);
+        let rate = self.lanes.enter(lane, index, integration.assignment, range, false);
+        self.lanes.aim(lane, range[1], false);
         if let (Some(closed), Some(form)) = (&mut self.closed, integration.form) {
             closed.starts.set(lane, &form.to_canonical(body));
         }
         let surfaces = &self.section.surfaces[index * self.section.kinds.len()..];
-        for (kind, surface) in &mut self.surfaces {
-            surface.enter(lane, &surfaces[*kind], body, forces, rate);
+        for (function, surface) in self.functions.iter_mut().zip(surfaces) {
+            match function {
+                Function::Surface(own) => own.enter(lane, surface, body, forces, rate),
+                Function::Called(called) => called.enter(lane, surface),
+            }
         }
-        for (kind, function) in &mut self.called {
-            function.enter(lane, &surfaces[*kind]);
-        }
-        Ok(Some(Task { body: member, rate }))
+        Ok(Some(Task { body: member, rate, steps: 0, next: 0 }))
     }
 
     /// One step: each is searched for points.
@@ -575,18 +662,29 @@ impl Job for SectionJob<'_> {
         }
         self.rounds += 1;
         self.lanes.advance(1);
-        for (_, surface) in &mut self.surfaces {
-            surface.expand(&self.lanes.group, &self.lanes.steps);
+        for function in &mut self.functions {
+            if let Function::Surface(surface) = function
+                && !self.again
+            {
+                surface.expand(&self.lanes.group, &self.lanes.steps);
+            }
         }
         Ok(())
     }
 
     fn look(&mut self, lane: usize, task: &mut Task) -> Result<bool, Error> {
+        let made = self.lanes.made(lane);
+        if made == 0 {
+            return Ok(true);
+        }
+        task.steps += made;
         let crossings = std::mem::take(&mut self.crossings);
         let own = &mut crossings[task.body];
-        let made = self.lanes.made(lane);
-        own.steps += made;
-        let moves_on = if made > 0 { self.after_step(lane, *task, own) } else { Ok(true) };
+        let moves_on = if self.again {
+            Ok(self.look_at_points(lane, task, &mut own.points))
+        } else {
+            self.after_step(lane, *task, own)
+        };
         self.crossings = crossings;
         moves_on
     }

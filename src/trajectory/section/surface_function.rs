@@ -4,9 +4,27 @@ use super::{NEAR, NOISE, Pointing, Polynomial, Side, Surface, SurfaceKind, TERMS
 use crate::body::{Body, VERTICAL};
 use crate::forces::{BodyForces, MOST_STATES, Orbit, SMALL_STATE, conic_sign};
 use crate::inertia::moment_range;
-use crate::kernel::{AdaptiveSteps, Group, System};
+use crate::kernel::{AdaptiveSteps, Group, MAX_STATE, System};
 use crate::kinematics::{cross, length};
 use crate::simd::{LANES, Row, set_lane};
+
+impl SurfaceKind {
+    /// The scale of the left side of a surface of this kind, without its value; `rate` bounds the rates of the body.
+    pub fn scale(&self, surface: &Surface, body: &Body, forces: BodyForces, rate: f64) -> f64 {
+        let Surface { normal: [a, b, c, x, y, z], momentum, square, states, .. } = surface;
+        let [_, largest] = moment_range(body.moments);
+        let of_momentum = length(momentum) * (largest * rate + length(&forces.further.rotor.0));
+        let of_speed = square.abs() * rate * rate;
+        let of_pointing = if self.pointing.is_some() { 1.0 } else { 0.0 };
+        let mut of_states = 0.0;
+        for (factor, start) in states.iter().zip(forces.states()) {
+            of_states += factor.abs() * start.abs().max(SMALL_STATE[1]);
+        }
+        let of_rates = length(&[*a, *b, *c]) * rate + length(&[*x, *y, *z]);
+        let scale = of_rates + of_momentum + of_speed + of_states + of_pointing;
+        if self.of_rate { scale * rate } else { scale }
+    }
+}
 
 /// A polynomial in the time: coefficients of its powers.
 type Powers = [f64; TERMS];
@@ -24,25 +42,8 @@ pub struct SurfaceFunction {
     rotor: [Row; 3],
     /// The orbit of each lane.
     orbit: [Orbit<f64>; LANES],
-    /// Which components of the normals are not all zero.
-    used: [bool; 6],
-    /// The same of the states of a function.
-    used_states: [bool; MOST_STATES],
-    /// Index of these states.
-    states_at: Option<usize>,
-    /// Whether a surface depends on the angular momentum in space.
-    uses_momentum: bool,
-    /// Whether a surface depends on the speed of rotation.
-    uses_square: bool,
-    /// Index of the quaternion in the state; without one the state has the space axes 3 and 1 from index 3 on, and mostly
-    /// space axis 2.
-    quaternion: Option<usize>,
-    /// Whether the state has space axis 2.
-    has_second_axis: bool,
-    /// Whether the vertical follows from the quaternion.
-    turns: bool,
-    /// Index of the variables of the orbit in the state.
-    orbit_at: Option<usize>,
+    /// What the state holds: a quaternion, or the space axes 3 and 1 from index 3 on and mostly space axis 2.
+    system: System,
     /// The order of products of two polynomials.
     order: usize,
     /// The sides of the surface at the end of the last step; `None` at the start.
@@ -71,21 +72,8 @@ fn powers_of(adaptive: &AdaptiveSteps, d: usize, lane: usize) -> Powers {
 }
 
 impl SurfaceFunction {
-    /// The surfaces of some bodies, of one kind.
-    pub fn new<'a>(
-        kind: SurfaceKind,
-        surfaces: impl Iterator<Item = &'a Surface>,
-        system: System,
-        order: usize,
-    ) -> SurfaceFunction {
-        let (mut used, mut uses_momentum, mut uses_square) = ([false; 6], false, false);
-        let mut used_states = [false; MOST_STATES];
-        for surface in surfaces {
-            (0..6).for_each(|d| used[d] |= surface.normal[d] != 0.0);
-            (0..MOST_STATES).for_each(|d| used_states[d] |= surface.states[d] != 0.0);
-            uses_momentum |= surface.momentum != [0.0; 3];
-            uses_square |= surface.square != 0.0;
-        }
+    /// The surfaces of bodies, of one kind.
+    pub fn new(kind: SurfaceKind, system: System, order: usize) -> SurfaceFunction {
         SurfaceFunction {
             kind,
             normal: [Row::ZERO; 6],
@@ -95,15 +83,7 @@ impl SurfaceFunction {
             value: Row::ZERO,
             rotor: [Row::ZERO; 3],
             orbit: [Orbit([0.0; 9]); LANES],
-            used,
-            used_states,
-            states_at: system.states_at,
-            uses_momentum,
-            uses_square,
-            quaternion: system.quaternion_at,
-            has_second_axis: system.vectors > 2,
-            turns: system.turns,
-            orbit_at: system.own_at,
+            system,
             order,
             side: [None; LANES],
             scale: Row::ZERO,
@@ -117,28 +97,15 @@ impl SurfaceFunction {
 
     /// Puts the surface of a body into a lane; `rate` bounds its rates.
     pub fn enter(&mut self, lane: usize, surface: &Surface, body: &Body, forces: BodyForces, rate: f64) {
-        let Surface { normal, momentum, square, states, value } = *surface;
-        let rotor = forces.further.rotor.0;
-        set_lane(&mut self.normal, lane, &normal);
-        set_lane(&mut self.momentum, lane, &momentum);
-        set_lane(&mut self.rotor, lane, &rotor);
+        set_lane(&mut self.normal, lane, &surface.normal);
+        set_lane(&mut self.momentum, lane, &surface.momentum);
+        set_lane(&mut self.rotor, lane, &forces.further.rotor.0);
         self.orbit[lane] = forces.further.orbit;
-        set_lane(&mut self.states, lane, &states);
-        self.square.0[lane] = square;
-        self.value.0[lane] = value;
+        set_lane(&mut self.states, lane, &surface.states);
+        self.square.0[lane] = surface.square;
+        self.value.0[lane] = surface.value;
         self.side[lane] = None;
-        let [_, largest] = moment_range(body.moments);
-        let of_momentum = length(&momentum) * (largest * rate + length(&rotor));
-        let of_speed = square.abs() * rate * rate;
-        let of_pointing = if self.kind.pointing.is_some() { 1.0 } else { 0.0 };
-        let mut of_states = 0.0;
-        for (factor, start) in states.iter().zip(forces.states()) {
-            of_states += factor.abs() * start.abs().max(SMALL_STATE[1]);
-        }
-        let [a, b, c, x, y, z] = normal;
-        let of_rates = length(&[a, b, c]) * rate + length(&[x, y, z]);
-        let scale = of_rates + of_momentum + of_speed + of_states + of_pointing;
-        self.scale.0[lane] = if self.kind.of_rate { scale * rate } else { scale + value.abs() };
+        self.scale.0[lane] = self.kind.scale(surface, body, forces, rate) + surface.value.abs();
     }
 
     /// The torque may jump: so may the slope.
@@ -158,10 +125,12 @@ impl SurfaceFunction {
             self.end_slope.0[lane] = 0.0;
             self.unit.0[lane] = if of_rate { adaptive.unit.0[lane] } else { 1.0 };
         }
-        let of_momentum = self.uses_momentum.then(|| self.along_momentum(group, adaptive));
-        let of_speed = self.uses_square.then(|| self.along_square(adaptive));
+        let is_used = |row: &Row| row.0 != [0.0; LANES];
+        let (normal, states) = (self.normal.each_ref().map(is_used), self.states.each_ref().map(is_used));
+        let of_momentum = self.momentum.iter().any(is_used).then(|| self.along_momentum(group, adaptive));
+        let of_speed = is_used(&self.square).then(|| self.along_square(adaptive));
         let of_pointing = self.kind.pointing.map(|pointing| self.along_directions(pointing, group, adaptive));
-        let vertical = self.turns.then(|| self.vertical(adaptive));
+        let vertical = self.system.turns.then(|| self.vertical(adaptive));
         let mut scale = Row([1.0; LANES]);
         for k in 0..self.terms() {
             let of_state = k + usize::from(of_rate);
@@ -172,19 +141,19 @@ impl SurfaceFunction {
                 }
             }
             let known = adaptive.powers.get(of_state);
-            for d in (0..6).filter(|&d| self.used[d]) {
+            for d in (0..6).filter(|&d| normal[d]) {
                 let power = match (&vertical, known) {
                     (Some(vertical), _) if d > 2 => &vertical[d - 3][of_state].0,
                     (_, Some(rows)) => &rows[d].0,
                     _ => continue,
                 };
-                let normal = &self.normal[d].0;
+                let factor = &self.normal[d].0;
                 for lane in 0..LANES {
-                    sum[lane] += normal[lane] * power[lane];
+                    sum[lane] += factor[lane] * power[lane];
                 }
             }
-            if let (Some(at), Some(rows)) = (self.states_at, known) {
-                for d in (0..MOST_STATES).filter(|&d| self.used_states[d]) {
+            if let (Some(at), Some(rows)) = (self.system.states_at, known) {
+                for d in (0..MOST_STATES).filter(|&d| states[d]) {
                     for lane in 0..LANES {
                         sum[lane] += self.states[d].0[lane] * rows[at + d].0[lane];
                     }
@@ -217,10 +186,10 @@ impl SurfaceFunction {
         let mut sum = [Row::ZERO; TERMS];
         for lane in 0..LANES {
             let along = [0, 1, 2].map(|k| self.momentum[k].0[lane]);
-            if along == [0.0; 3] {
+            if along == [0.0; 3] || adaptive.unit.0[lane] == 0.0 {
                 continue;
             }
-            let direction = match self.quaternion {
+            let direction = match self.system.quaternion_at {
                 Some(at) => self.turned_back([0, 1, 2, 3].map(|k| powers_of(adaptive, at + k, lane)), along),
                 None => {
                     let axes = self.space_axes(adaptive, lane);
@@ -241,7 +210,7 @@ impl SurfaceFunction {
     fn space_axes(&self, adaptive: &AdaptiveSteps, lane: usize) -> [[Powers; 3]; 3] {
         let of = |d: usize| powers_of(adaptive, d, lane);
         let (third, first) = ([3, 4, 5].map(of), [6, 7, 8].map(of));
-        let second = match self.has_second_axis {
+        let second = match self.system.vectors > 2 {
             true => [9, 10, 11].map(of),
             false => self.cross(&third, &first),
         };
@@ -250,7 +219,7 @@ impl SurfaceFunction {
 
     /// A body axis in space.
     fn in_space(&self, axis: [f64; 3], adaptive: &AdaptiveSteps, lane: usize) -> [Powers; 3] {
-        match self.quaternion {
+        match self.system.quaternion_at {
             // Turned back by the opposite rotation.
             Some(at) => {
                 let [w, u @ ..] = [0, 1, 2, 3].map(|k| powers_of(adaptive, at + k, lane));
@@ -263,7 +232,7 @@ impl SurfaceFunction {
 
     /// The direction from the planet along the semi-axes of the orbit, whose series is a quotient of series.
     fn radial(&self, adaptive: &AdaptiveSteps, lane: usize) -> [Powers; 2] {
-        let (orbit, at) = (&self.orbit[lane], self.orbit_at.expect("an orbit has variables"));
+        let (orbit, at) = (&self.orbit[lane], self.system.own_at.expect("an orbit has variables"));
         let (e, first, second) =
             (orbit.eccentricity(), powers_of(adaptive, at, lane), powers_of(adaptive, at + 1, lane));
         let (mut radial, mut distance) = ([[0.0; TERMS]; 2], [0.0; TERMS]);
@@ -309,7 +278,7 @@ impl SurfaceFunction {
         adaptive: &AdaptiveSteps,
     ) -> [Row; TERMS] {
         let mut sum = [Row::ZERO; TERMS];
-        for lane in (0..LANES).filter(|&lane| group.step.0[lane] != 0.0) {
+        for lane in (0..LANES).filter(|&lane| group.step.0[lane] != 0.0 && adaptive.unit.0[lane] != 0.0) {
             let cosine = |[axis, direction]: [[f64; 3]; 2]| {
                 let axis = self.in_space(axis, adaptive, lane);
                 let direction = self.direction(direction, pointing.in_orbit, adaptive, lane);
@@ -381,9 +350,9 @@ impl SurfaceFunction {
     /// The powers of the vertical in the units of time of the step, from those of a quaternion.
     fn vertical(&self, adaptive: &AdaptiveSteps) -> [[Row; TERMS]; 3] {
         let mut vertical = [[Row::ZERO; TERMS]; 3];
-        let at = self.quaternion.expect("the frame turns with it");
+        let at = self.system.quaternion_at.expect("the frame turns with it");
         for lane in 0..LANES {
-            if (3..6).all(|d| self.normal[d].0[lane] == 0.0) {
+            if (3..6).all(|d| self.normal[d].0[lane] == 0.0) || adaptive.unit.0[lane] == 0.0 {
                 continue;
             }
             let q = [0, 1, 2, 3].map(|k| powers_of(adaptive, at + k, lane));
@@ -445,9 +414,29 @@ impl SurfaceFunction {
         self.order + usize::from(!self.kind.of_rate)
     }
 
-    /// Finds the wanted zeros of the last step of a lane with their slopes, by the step; returns whether the motion is on
-    /// the surface all along. `error` is that of the state, relative to its scale.
-    pub fn zeros(&mut self, lane: usize, error: f64, found: &mut impl FnMut(Zero, f64)) -> bool {
+    /// What is zero on the surface after so many units of time of the last step of a lane, from the state and its rate of
+    /// change, for which `here` has room.
+    pub fn value(
+        &mut self,
+        lane: usize,
+        units: f64,
+        group: &Group,
+        (last, here): (&AdaptiveSteps, &mut AdaptiveSteps),
+    ) -> f64 {
+        here.unit.0[lane] = last.unit.0[lane];
+        for d in 0..MAX_STATE {
+            let polynomial = Polynomial { powers: &powers_of(last, d, lane), noise: 0.0, near: 0.0 };
+            (here.powers[0][d].0[lane], here.powers[1][d].0[lane]) = polynomial.value(units);
+        }
+        self.expand(group, here);
+        // No other lane has a unit: nothing long is computed there.
+        here.unit.0[lane] = 0.0;
+        self.powers[0].0[lane] / self.unit.0[lane]
+    }
+
+    /// Finds the wanted zeros of the last step of a lane with their slopes, by the step, and `Point::share`; returns whether
+    /// the motion is on the surface all along. `error` is that of the state, relative to its scale.
+    pub fn zeros(&mut self, lane: usize, error: f64, found: &mut impl FnMut(Zero, [f64; 2])) -> bool {
         let unit = self.unit.0[lane];
         let scale = self.scale.0[lane] * unit;
         let near = NEAR.max(error) * scale;
@@ -473,16 +462,17 @@ impl SurfaceFunction {
         let polynomial = Polynomial { powers, noise: NOISE * scale, near };
         let wanted = self.kind.direction;
         let positive = polynomial.zeros(side, &mut |mut zero| {
+            let mut share = 1.0;
             if is_angle {
                 // Where both cosines are nearly zero the angle leaps.
-                let second = second.iter().rev().fold(0.0, |sum, power| sum * zero.at + power);
-                zero.grazes |= second.abs() <= NEAR;
-                if second < 0.0 && !zero.grazes {
+                share = second.iter().rev().fold(0.0, |sum, power| sum * zero.at + power);
+                zero.grazes |= share.abs() <= NEAR;
+                if share < 0.0 && !zero.grazes {
                     return;
                 }
             }
             if wanted == 0 || zero.direction == 0 || zero.direction == wanted {
-                found(zero, polynomial.value(zero.at).1 / unit);
+                found(zero, [polynomial.value(zero.at).1 / unit, share]);
             }
         });
         self.side[lane] = Some(Side { positive, rising });

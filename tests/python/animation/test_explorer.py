@@ -718,11 +718,11 @@ def braking(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None
         torque[k] = -0.1 * omega[k]
 
 
-BRAKED = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), torque=rigid.Torque.call(braking, fastest=1.0))
+CALLED = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), torque=rigid.Torque.call(braking, fastest=1.0))
 
 
 def test_motions_under_the_torque_of_a_function_are_not_in_the_page(tmp_path: Path) -> None:
-    result = tops(scene=BRAKED, axes={"spin": [1.0, 2.0]}, stable=rigid.no_flip(3), start=None)
+    result = tops(scene=CALLED, axes={"spin": [1.0, 2.0]}, stable=rigid.no_flip(3), start=None)
     assert content(result.explore(tmp_path / "a.html"))["motion"] is None
 
 
@@ -757,7 +757,7 @@ nameless = lambda states: states.omega[:, -1, 0] > 0.0  # noqa: E731
     ("given", "names"),
     [
         ({"scene": rigid.FreeBody, "stable": rigid.no_flip(), "t_end": 5.0}, {}),
-        ({"scene": BRAKED, "stable": rigid.no_flip(), "t_end": 5.0}, {"scene": BRAKED}),
+        ({"scene": CALLED, "stable": rigid.no_flip(), "t_end": 5.0}, {"scene": CALLED}),
         (
             {"scene": rigid.FreeBody, "stable": rigid.judged(forward, [0.0, 5.0])},
             {"forward": forward},

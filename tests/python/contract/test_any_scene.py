@@ -173,42 +173,6 @@ def driven_scenes(draw: st.DrawFn) -> Scene:
     return rigid.FreeBody(scene.body, torque=torque, damping=damping)
 
 
-def check_status(run: rigid.Run) -> None:
-    if run.status in ARRIVED:
-        assert all(np.all(np.isfinite(present(array))) for array in (run.omega, run.attitude))
-    else:
-        status = rigid.Status
-        assert run.status in (status.STEP_LIMIT, status.NOT_FINITE, status.DRIFTED)
-
-
-DRIVERS = [m.name for m in METHODS if m.name in ("rk4", "dop853", "taylor12", "taylor16")]
-DRIVERS += ["splitting", "etd4", "midpoint"]
-
-
-@pytest.mark.parametrize("method", DRIVERS)
-@STEADY
-@given(
-    scene=driven_scenes(),
-    omega=rates(),
-    attitude=quaternions(),
-    t=st.lists(st.floats(-10, 100), max_size=4).map(sorted),
-    step=st.none() | decades(-3, 3),
-)
-def test_under_torque_and_damping_the_status_is_true(
-    method: str, scene: Scene, omega: list[float], attitude: list[float], **options: Any
-) -> None:
-    try:
-        run = rigid.simulate(
-            scene, omega, attitude, method=method, max_steps=20_000, check=False, **options
-        )
-    except ValueError as error:
-        # An explicit method beyond its limit of stability.
-        if not re.match(r"step = .*unstable under damping", str(error)):
-            raise
-        return
-    check_status(run)
-
-
 @st.composite
 def satellites(draw: st.DrawFn) -> Scene:
     """Rotors, sinks and orbits over twelve decades beside the moments and a rate of one."""
@@ -225,22 +189,40 @@ def satellites(draw: st.DrawFn) -> Scene:
     )
 
 
-@pytest.mark.parametrize("method", ["rk4", "dop853", "taylor12", "taylor16"])
+SATELLITES = ["rk4", "dop853", "taylor12", "taylor16"]
+DRIVERS = [m.name for m in METHODS if m.name in SATELLITES] + ["splitting", "etd4", "midpoint"]
+OF_METHODS = [*((driven_scenes, name) for name in DRIVERS), *((satellites, m) for m in SATELLITES)]
+
+
+@pytest.mark.parametrize(("kind", "method"), OF_METHODS)
 @STEADY
 @given(
-    scene=satellites(),
+    data=st.data(),
     omega=rates(),
     attitude=quaternions(),
     t=st.lists(st.floats(-10, 100), max_size=4).map(sorted),
     step=st.none() | decades(-3, 3),
 )
-def test_of_satellites_the_status_is_true(
-    method: str, scene: Scene, omega: list[float], attitude: list[float], **options: Any
+def test_of_driven_bodies_and_of_satellites_the_status_is_true(
+    kind: Any, method: str, data: Any, omega: list[float], attitude: list[float], **options: Any
 ) -> None:
-    run = rigid.simulate(
-        scene, omega, attitude, method=method, max_steps=20_000, check=False, **options
-    )
-    check_status(run)
-
-
-# --- What is not valid ----------------------------------------------------------------------------
+    try:
+        run = rigid.simulate(
+            data.draw(kind()),
+            omega,
+            attitude,
+            method=method,
+            max_steps=20_000,
+            check=False,
+            **options,
+        )
+    except ValueError as error:
+        # An explicit method beyond its limit of stability.
+        if not re.match(r"step = .*unstable under damping", str(error)):
+            raise
+        return
+    if run.status in ARRIVED:
+        assert all(np.all(np.isfinite(present(array))) for array in (run.omega, run.attitude))
+    else:
+        status = rigid.Status
+        assert run.status in (status.STEP_LIMIT, status.NOT_FINITE, status.DRIFTED)

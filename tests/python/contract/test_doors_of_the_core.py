@@ -82,19 +82,18 @@ def test_times_of_no_body_beyond_any_array_are_refused() -> None:
 
 
 def test_a_direction_of_an_orbit_needs_an_orbit() -> None:
-    pointing = np.zeros((1, 13))
-    pointing[0, [0, 5, 12]] = 1.0
+    pairs = np.zeros((2, 2, 3))
+    pairs[0, [0, 1], [0, 2]] = 1.0
     with pytest.raises(ValueError, match="events = a direction of the orbit: the bodies are on no"):
         _core.section(
             bodies_of(SCENE, OMEGA, None),
             method="taylor16",
-            kinds=[(False, 0, True)],
-            pointing=pointing,
-            functions=[(0, False)],
+            kinds=[(False, 0, True, pairs, True, (0, False))],
             surfaces=np.zeros((2, 11 + _core.MOST_STATES)),
             ends=np.ones(2),
             count=1,
             closed=False,
+            check=False,
             tolerance=1e-12,
             max_steps=1000,
             threads=1,
@@ -109,13 +108,12 @@ def test_there_may_be_more_threads_than_numbers() -> None:
     crossings = _core.section(
         bodies,
         **how,
-        kinds=[(False, 0, False)],
+        kinds=[(False, 0, False, np.zeros((2, 2, 3)), False, (0, False))],
         surfaces=np.eye(1, 11 + _core.MOST_STATES).repeat(n, axis=0),
-        pointing=np.zeros((1, 13)),
-        functions=[(0, False)],
         ends=np.ones(n),
         count=1,
         closed=False,
+        check=False,
         tolerance=1e-12,
     )
     assert len(crossings["status"]) == n
@@ -124,7 +122,6 @@ def test_there_may_be_more_threads_than_numbers() -> None:
         bodies,
         **how,
         deviations=np.tile(_core.generic_deviations()[:1], (n, 1)),
-        scale=np.ones(n),
         of_attitude=False,
         times=np.array([1.0]),
         step=np.tile([0.1, 0.2], n // 2),

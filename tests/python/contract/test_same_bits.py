@@ -37,16 +37,13 @@ def assert_equal(one: dict[str, Any], other: dict[str, Any], of: object) -> None
 
 
 @every_case
-def test_a_body_alone_is_the_body_among_others(scene: str, door: str) -> None:
+def test_neither_neighbours_nor_threads_nor_the_order_of_the_bodies_matter(
+    scene: str, door: str
+) -> None:
     together = asked(scene, door, slice(None))
     for k in (0, 1, 5, 31, 32, COUNT - 1):
         (alone,) = asked(scene, door, k)
         assert_equal(alone, together[k], k)
-
-
-@every_case
-def test_neither_threads_nor_the_order_of_the_bodies_matter(scene: str, door: str) -> None:
-    together = asked(scene, door, slice(None))
     backward = asked(scene, door, slice(None, None, -1), threads=3)
     for k, arrays in enumerate(together):
         assert_equal(arrays, backward[-1 - k], k)

@@ -51,7 +51,7 @@ def is_right(found: rigid.Fit, truth: Floats) -> bool:
 
 
 @pytest.mark.parametrize(
-    ("start", "seeds"), [((0.5, 2.0, 0.5), range(6)), ((0.01, 2.0, 0.01), (42, 43))]
+    ("start", "seeds"), [((0.5, 2.0, 0.5), range(3)), ((0.01, 2.0, 0.01), (42,))]
 )
 def test_a_guess_whose_phase_ends_a_turn_off_finds_the_truth(
     start: tuple[float, ...], seeds: Iterable[int]
@@ -222,18 +222,18 @@ def test_few_samples_suffice_if_the_phase_between_them_stays_small() -> None:
 
 def test_times_in_a_wrong_unit_are_no_success() -> None:
     # At I2/I1 = 1.336 chi² is 1.08 a degree of freedom, and was taken for a success.
-    found, _ = fitted_at(np.linspace(0.0, 60.0, 100), 1, unit=60.0)
+    found, _ = fitted_at(np.linspace(0.0, 60.0, 50), 1, unit=60.0)
     assert not found.success
-    assert "99 of 99 gaps" in found.reason
+    assert "49 of 49 gaps" in found.reason
 
 
 def test_a_pause_in_which_the_phase_is_lost_is_told() -> None:
-    """Three seconds tell the moments to some 5 %, which is 30 rad of phase after ten minutes."""
+    """Three seconds tell the moments to some 5 %, which is 10 rad of phase after three minutes."""
 
     def around(pause: float) -> Floats:
         return np.append(np.arange(30) / 10.0, pause + np.arange(20) / 10.0)
 
-    found, _ = fitted_at(around(600.0), 3)
+    found, _ = fitted_at(around(200.0), 3)
     assert not found.success
     assert "passes pi in 1 of 49 gaps" in found.reason
     short, _ = fitted_at(around(20.0), 3)

@@ -290,9 +290,6 @@ def test_the_frame_of_the_axis_needs_no_torque() -> None:
 # Poinsot's picture: polhode, herpolhode and the ellipsoid that rolls
 
 
-# Poinsot
-
-
 def extremes(moments: ArrayLike, omega: ArrayLike) -> tuple[Floats, float, list[float]]:
     """Largest rates, distance of the plane, least and largest radius of the herpolhode.
 

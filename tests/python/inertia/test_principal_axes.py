@@ -25,16 +25,6 @@ def test_principal_axes_rebuild_random_tensors() -> None:
     assert worst_principal_axes(100_000, RNG) < 1e-14
 
 
-def test_principal_moments_solve_the_cubic() -> None:
-    """det(I - x 1) = 0: its coefficients are the trace, the sum of principal minors, and det."""
-    for tensor in TENSORS:
-        x1, x2, x3 = inertia.principal_axes(tensor).moments
-        minors = 0.5 * (np.trace(tensor) ** 2 - np.trace(tensor @ tensor))
-        assert x1 + x2 + x3 == pytest.approx(np.trace(tensor), rel=ROUNDED)
-        assert x1 * x2 + x2 * x3 + x3 * x1 == pytest.approx(minors, rel=ROUNDED)
-        assert x1 * x2 * x3 == pytest.approx(np.linalg.det(tensor), rel=ROUNDED)
-
-
 def test_only_a_principal_moment_leaves_a_direction() -> None:
     """Ercan 2016, § 7.2, prints I where the eigenvalue I_1 must stand: erratum D-18."""
     tensor = TENSORS[0]
@@ -127,9 +117,6 @@ def test_no_cloud_breaks_the_triangle_inequality() -> None:
 
 
 # Symmetries of clouds of mass points, and what they say of the tensor of inertia
-
-
-# Symmetries
 
 
 def polygon(order: int) -> Floats:

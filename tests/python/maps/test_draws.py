@@ -1,17 +1,25 @@
 """The random starts: NumPy's Philox gives every draw again, each law is what it is called."""
 
+import math
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy import stats
 from scipy.spatial.transform import Rotation
 
 import rigid
 from drawn_again import EPS, box_muller, turn, uniforms
+from map_texts import FREE, map_text
+from refusals import refuses
 from rigid import _core
+from rigid.cli.toml_map import parse_spec
+from rigid.cli.toml_table import SpecError
 from rigid.maps.core_request import CoreRequest, CoreStarts
+from rigid.maps.plan import map_plan
+from rigid.rotations.quaternions import quaternion_product
 from small_maps import Floats, small_map
 
 RATES, ATTITUDE = 0, 1  # blocks of draws
@@ -202,3 +210,542 @@ def test_fresh_entropy_is_kept() -> None:
     assert one.spec.seed != other.spec.seed
     again = small_map(samples=1, t_end=1e-3, rng=one.spec.seed)
     assert again.replay(3, 0).omega.tolist() == one.replay(3, 0).omega.tolist()
+
+
+# Starts from a list: each body takes the entry that NumPy's numbers tell.
+
+
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.7)), mgl=1.0)
+SEED = 2**64 + 5
+COUNT = 7
+
+
+def listed() -> tuple[Floats, Floats]:
+    random = np.random.default_rng(3)
+    attitude = random.normal(size=(COUNT, 4))
+    attitude /= np.linalg.norm(attitude, axis=1)[:, np.newaxis]
+    return random.normal(size=(COUNT, 3)), attitude
+
+
+def begun(**start: Any) -> rigid.Starts:
+    """The starts of 50 tops in each of two pixels."""
+    result = small_map(
+        TOP,
+        axes={"mgl": [1.0, 1.5]},
+        start=rigid.Start(**{"omega": (0.3, -0.2, 4.0), **start}),
+        stable=rigid.tilt_below(1.0),
+        samples=50,
+        t_end=0.01,
+        rng=SEED,
+    )
+    assert result.theory() is None
+    return result.starts(range(50))
+
+
+@pytest.mark.parametrize("weights", [None, [1.0, 0.0, 3.0, 0.5, 0.0, 2.0, 0.0]])
+def test_bodies_take_the_entries_that_numpy_draws(weights: list[float] | None) -> None:
+    omega, attitude = listed()
+    starts = begun(omega=(0.0, 0.0, 0.0), noise=rigid.samples(omega, attitude, weights))
+    chances = np.ones(COUNT) if weights is None else np.array(weights)
+    shares, first = np.cumsum(chances) / chances.sum(), uniforms(SEED, 0, 2, 50)[..., 0]
+    taken = np.searchsorted(shares, first, side="right")
+    np.testing.assert_array_equal(starts.omega, omega[taken])
+    np.testing.assert_array_equal(starts.attitude, attitude[taken])
+    assert set(taken.ravel()) == set(np.flatnonzero(chances))
+
+
+def test_samples_in_order_begin_again_after_the_last() -> None:
+    omega, attitude = listed()
+    given = rigid.samples(omega, attitude, in_order=True)
+    starts = begun(omega=(0.0, 0.0, 0.0), noise=given)
+    order = np.arange(50) % COUNT
+    np.testing.assert_array_equal(starts.omega[1], omega[order])
+    np.testing.assert_array_equal(starts.attitude[0], attitude[order])
+
+
+def test_samples_are_added_to_the_nominal_start() -> None:
+    omega, attitude = listed()
+    start = rigid.Start(spin=2.0, tilt=0.3, noise=rigid.samples(omega, attitude, in_order=True))
+    result = small_map(TOP, axes={"spin": [2.0]}, start=start, stable=rigid.tilt_below(3.0))
+    starts = result.starts(range(COUNT))
+    np.testing.assert_array_equal(starts.omega[0], omega + np.array([0.0, 0.0, 2.0]))
+    nominal = (np.cos(0.15), np.sin(0.15), 0.0, 0.0)
+    expected = quaternion_product(nominal, attitude)
+    # A product of unit quaternions: three roundings, and that of the nominal one.
+    np.testing.assert_allclose(starts.attitude[0], expected, atol=1e-15)
+
+
+def test_bodies_of_one_energy_are_stable_as_each_is_alone() -> None:
+    omega, attitude = rigid.top.on_surface(TOP, energy=2.0, l_gamma=0.4, count=30, rng=1)
+    given = rigid.samples(omega, attitude, in_order=True)
+    result = small_map(
+        TOP,
+        axes={"t_end": [3.0]},
+        start=rigid.Start(omega=(0.0, 0.0, 0.0), noise=given),
+        stable=rigid.tilt_below(2.3),
+        samples=30,
+        method="auto",
+    )
+    t = np.linspace(0.0, 3.0, 3001)
+    gamma: Any = rigid.simulate(TOP, omega, attitude, t=t, method="dop853").gamma
+    largest = np.arccos(np.clip(gamma[..., 2], -1.0, 1.0)).max(axis=-1)
+    clear = abs(largest - 2.3) > 1e-3
+    assert clear.all()
+    assert result.stable.item() == (largest < 2.3).sum()
+    assert 0 < result.stable.item() < 30
+
+
+# Normal noise with a covariance: the draws are NumPy's, and have the covariance.
+
+
+COVARIANCE = np.array([[0.04, 0.01, -0.02], [0.01, 0.09, 0.03], [-0.02, 0.03, 0.05]])
+HALF = np.array(
+    [
+        [0.3, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [0.1, 0.2, 0.0, 0.0, 0.0, 0.0],
+        [-0.2, 0.1, 0.25, 0.0, 0.0, 0.0],
+        [0.05, 0.0, 0.1, 0.2, 0.0, 0.0],
+        [0.0, -0.1, 0.0, 0.05, 0.1, 0.0],
+        [0.1, 0.0, 0.0, -0.05, 0.02, 0.15],
+    ]
+)
+BOTH = HALF @ HALF.T
+BOTH = 0.5 * (BOTH + BOTH.T)
+
+
+def normals(block: int) -> Floats:
+    """Three standard normals of each body, shape (2, 50, 3), from NumPy."""
+    return box_muller(uniforms(SEED, block, 2, 50)).astype(np.float64)
+
+
+def turns(attitude: Floats) -> Floats:
+    """Rotation vectors of attitudes."""
+    vectors: Floats = Rotation.from_quat(attitude, scalar_first=True).as_rotvec()
+    return vectors
+
+
+def test_rates_with_a_covariance_follow_numpy() -> None:
+    got = begun(noise=rigid.normal(cov=COVARIANCE)).omega
+    factor = np.linalg.cholesky(COVARIANCE)
+    expected = [0.3, -0.2, 4.0] + normals(0) @ factor.T
+    # Factor, deviates and their sum: 8 roundings of numbers below 1, and one of the rate.
+    np.testing.assert_allclose(got, expected, rtol=EPS, atol=16.0 * EPS)
+
+
+def test_attitudes_with_a_covariance_follow_numpy() -> None:
+    got = begun(attitude_noise=rigid.normal(cov=COVARIANCE)).attitude
+    expected = normals(1) @ np.linalg.cholesky(COVARIANCE).T
+    # A rotation vector is read from a quaternion: its angle loses the roundings of sine and cosine.
+    np.testing.assert_allclose(turns(got.reshape(-1, 4)), expected.reshape(-1, 3), atol=40.0 * EPS)
+
+
+def test_rates_and_attitude_hang_together() -> None:
+    starts = begun(noise=rigid.normal(cov=BOTH))
+    both = np.concatenate([normals(0), normals(1)], axis=-1)
+    expected = both @ np.linalg.cholesky(BOTH).T
+    np.testing.assert_allclose(
+        starts.omega, [0.3, -0.2, 4.0] + expected[..., :3], rtol=EPS, atol=32.0 * EPS
+    )
+    np.testing.assert_allclose(
+        turns(starts.attitude.reshape(-1, 4)), expected[..., 3:].reshape(-1, 3), atol=64.0 * EPS
+    )
+
+
+def test_a_diagonal_covariance_is_a_size_of_each_component() -> None:
+    sizes = np.array([0.25, 0.5, 0.0])  # whose squares and roots are exact
+    one = begun(noise=rigid.normal(sizes)).omega
+    other = begun(noise=rigid.normal(cov=np.diag(sizes**2))).omega
+    np.testing.assert_array_equal(one, other)
+
+
+def test_a_covariance_may_have_directions_without_noise() -> None:
+    along = np.array([3.0, 4.0, 12.0]) / 130.0
+    starts = begun(noise=rigid.normal(cov=np.outer(along, along))).omega
+    deviates = (starts - [0.3, -0.2, 4.0]).reshape(-1, 3)
+    np.testing.assert_allclose(np.cross(deviates, along), 0.0, atol=1e-15)
+    assert np.std(deviates @ along) > 1e-3
+
+
+def test_tables_say_a_covariance() -> None:
+    text = map_text(
+        scene=FREE,
+        start='noise = { kind = "normal", cov = [[1, 0, 0], [0, 2, 1], [0, 1, 4]] }',
+        stable='criterion = "no_flip"',
+    )
+    noise = rigid.normal(cov=[[1, 0, 0], [0, 2, 1], [0, 1, 4]])
+    assert parse_spec(text, "a.toml").start.starts[0].noise == noise
+
+
+test_matrices_that_are_no_covariance = refuses(
+    [
+        (np.eye(2), "cov: expected shape (3, 3) or (6, 6), got (2, 2)"),
+        (np.full((3, 3), np.nan), "cov[0, 0] = nan: must be finite"),
+        ([[1, 2, 0], [0, 1, 0], [0, 0, 1]], "cov[0, 1] = 2: must be symmetric; the entry across"),
+        ([[1, 2, 0], [2, 1, 0], [0, 0, 1]], "cov: must be positive semi-definite"),
+        ([[0, 1, 0], [1, 1, 0], [0, 0, 1]], "cov: must be positive semi-definite"),
+        (-np.eye(3), "cov: must be positive semi-definite"),
+        (None, "size, cov: give one of the two to normal()"),
+    ],
+    literal=True,
+    by=lambda cov: rigid.normal(cov=cov),
+)
+
+
+# Mixtures of starts: which start a body takes, and that nothing else depends on the others.
+
+
+QUIET = rigid.Start(spin=3.0, attitude_noise=rigid.normal(0.1))
+WILD = rigid.Start(
+    spin=1.0, tilt=0.4, noise=rigid.uniform(2.0), attitude_noise=rigid.von_mises_fisher(2.0)
+)
+GIVEN = rigid.Start(
+    omega=(0.0, 0.0, 2.0), noise=rigid.samples(np.diag([0.1, 0.2, 0.3]), weights=[1, 2, 1])
+)
+JOINT = rigid.Start(spin=2.0, noise=rigid.normal(cov=np.diag([1, 2, 3, 4, 5, 6]) * 1e-2))
+MIXED = rigid.mixture([QUIET, WILD, GIVEN, JOINT], weights=[4.0, 3.0, 2.0, 1.0])
+AXES: dict[str, Any] = {"mgl": [0.5, 1.0, 2.0]}
+MANY = 500
+NO_START: Any = 3
+
+
+def mixed(start: Any, **options: Any) -> rigid.StabilityMap:
+    chosen: dict[str, Any] = {
+        "axes": AXES,
+        "samples": MANY,
+        "t_end": 1e-6,
+        "stable": rigid.tilt_below(0.8),
+        "rng": 77,
+        "check": 0.0,
+    }
+    return rigid.stability_map(TOP, start=start, **{**chosen, **options})
+
+
+def test_each_body_begins_as_in_a_map_of_its_start_alone() -> None:
+    """NumPy tells which: block 2 of the draws of the sample."""
+    both = mixed(MIXED).starts(range(MANY))
+    alone = [mixed(start).starts(range(MANY)) for start in MIXED.starts]
+    shares = MIXED.shares()
+    assert shares[-1] == 1.0
+    for pixel, u in enumerate(uniforms(77, 2, 3, MANY)[..., 0]):
+        taken = np.searchsorted(shares, u, side="right")
+        for number, one in enumerate(alone):
+            mine = taken == number
+            assert mine.any()
+            for name in ("omega", "attitude"):
+                np.testing.assert_array_equal(
+                    getattr(both, name)[pixel, mine], getattr(one, name)[pixel, mine]
+                )
+
+
+def test_judged_bodies_and_horizons_of_a_mixture() -> None:
+    def rises(states: rigid.States) -> Any:
+        assert states.gamma is not None
+        return states.gamma[:, -1, 2] > 0.5
+
+    t = [0.0, 1.0, 3.0]
+    axes = {"mgl": [0.5, 1.0], "t_end": [1.0, 3.0]}
+    asked: dict[str, Any] = {"samples": 60, "axes": axes, "t_end": None}
+    result = mixed(MIXED, stable=rigid.judged(rises, t), **asked)
+    single = mixed(
+        MIXED, stable=rigid.judged(rises, t[:2]), **{**asked, "axes": {"mgl": [0.5, 1.0]}}
+    )
+    np.testing.assert_array_equal(result.stable[0], single.stable)
+    assert mixed(MIXED, samples=1).theory() is None
+
+
+def test_an_axis_sets_its_number_in_every_start() -> None:
+    both = rigid.mixture([rigid.Start(spin=s, noise=rigid.normal(n)) for s, n in ((1, 1), (2, 2))])
+    starts = small_map(start=both, axes={"spin": [3.0], "noise": [0.0]}, samples=50).starts(
+        range(50)
+    )
+    assert (starts.omega == [0.0, 0.0, 3.0]).all()
+    # The plan is that of the fastest start.
+    fast = rigid.mixture([rigid.Start(spin=1.0, axis=2), rigid.Start(spin=9.0, axis=2)])
+    slow = rigid.Start(spin=1.0, axis=2)
+    steps = [
+        map_plan(small_map(start=one, axes={"I2/I1": [1.5]}, samples=1).spec).steps or 0
+        for one in (slow, fast)
+    ]
+    assert steps[1] > 5.0 * steps[0]
+
+
+START = "weight = 3\nspin = 2.0"
+MIXED_TOML = map_text(x='name = "mgl"\nvalues = [1.0, 2.0]', start=START).replace(
+    f"[start]\n{START}",
+    f"[[start]]\n{START}\n[[start]]\nspin = 1.0\n"
+    'attitude_noise = { kind = "normal", size = 0.1 }',
+)
+
+
+def test_a_mixture_is_said_in_toml() -> None:
+    spec = parse_spec(MIXED_TOML, "top.toml")
+    other = rigid.Start(spin=1.0, attitude_noise=rigid.normal(0.1))
+    assert spec.start == rigid.mixture([rigid.Start(spin=2.0), other], weights=[3, 1])
+    with pytest.raises(SpecError, match=r"weights\[0\] = -3: must be positive"):
+        parse_spec(MIXED_TOML.replace("weight = 3", "weight = -3"), "top.toml")
+    with pytest.raises(SpecError, match=r"\[start\[0\]\] unknown key 'weigth'; did you mean"):
+        parse_spec(MIXED_TOML.replace("weight", "weigth"), "top.toml")
+    with pytest.raises(SpecError, match="unknown key 'weight'"):
+        parse_spec(
+            MIXED_TOML.replace("[[start]]\nspin = 1.0", "")
+            .replace("[[", "[")
+            .replace("]]", "]")
+            .replace('attitude_noise = { kind = "normal", size = 0.1 }', ""),
+            "top.toml",
+        )
+
+
+# Directions of von Mises and Fisher: their distribution, its limits, and the bits of each draw.
+
+
+DIRECTIONS = 40_000
+KAPPAS = [0.0, 1e-300, 1e-9, 0.3, 3.0, 20.0, 500.0, 1e6, 1e300]
+
+#: A statistic of Kolmogorov and Smirnov above this has a chance of 2 exp(-2 * 2.7**2) = 1e-6.
+BOUND = 2.7 / math.sqrt(DIRECTIONS)
+
+
+def turned(axis: int, tilt: float = 0.0, **start: Any) -> rigid.StabilityMap:
+    name = "kappa" if "noise" in start else "attitude_kappa"
+    return rigid.stability_map(
+        TOP,
+        axes={name: KAPPAS},
+        samples=DIRECTIONS,
+        t_end=1e-9,
+        stable=rigid.tilt_below(3.0),
+        start=rigid.Start(spin=2.0, axis=axis, tilt=tilt, **start),
+        method="rk4",
+        check=0.0,
+        rng=2026,
+    )
+
+
+def versine(kappa: float, u: float) -> float:
+    """1 - cos by the inverse of the distribution, in long double."""
+    x, power = np.longdouble(u), np.expm1(np.longdouble(-2.0 * kappa))
+    return float(-np.log1p(x * power) / np.longdouble(kappa)) if kappa else 2.0 * u
+
+
+def check_distribution(off: Floats, kappa: float) -> None:
+    """Of 1 - cos, of all samples."""
+    if kappa <= 1e-9:  # all directions are alike: Archimedes
+        assert stats.kstest(off, "uniform", args=(0.0, 2.0)).statistic < BOUND
+        return
+    # P(1 - cos <= d) = expm1(-kappa d) / expm1(-2 kappa)
+    found = stats.kstest(off, lambda d: np.expm1(-kappa * d) / np.expm1(-2.0 * kappa)).statistic
+    assert found < BOUND
+    # The mean of cos is coth(kappa) - 1 / kappa; five standard errors have a chance of 6e-7.
+    lack = 1.0 / kappa - 2.0 / np.expm1(2.0 * kappa) if kappa < 300.0 else 1.0 / kappa
+    assert abs(off.mean() - lack) < 5.0 * off.std() / math.sqrt(DIRECTIONS)
+
+
+@pytest.mark.parametrize(("axis", "tilt"), [(3, 0.0), (1, 0.0), (2, 1.1)])
+def test_the_axis_of_the_start_has_the_distribution(axis: int, tilt: float) -> None:
+    result = turned(axis, tilt, attitude_noise=rigid.von_mises_fisher(1.0))
+    nominal = rigid.rotations.quaternion_to_matrix(result.spec.grid.attitude[0])[:, axis - 1]
+    bodies = result.starts(range(DIRECTIONS))
+    np.testing.assert_allclose(np.linalg.norm(bodies.attitude, axis=-1), 1.0, rtol=4e-16)
+    for kappa, attitude in zip(KAPPAS, bodies.attitude, strict=True):
+        direction = rigid.rotations.quaternion_to_matrix(attitude)[..., axis - 1]
+        off = 0.5 * ((direction - nominal) ** 2).sum(axis=-1)  # accurate for small angles
+        if kappa < 1e300:
+            check_distribution(off, kappa)
+        else:
+            assert off.max() < 40.0 / kappa
+        # About the nominal direction no side is preferred: Rayleigh's test of the azimuth.
+        if 1e-9 <= kappa <= 500.0:
+            along = np.cross(nominal, [0.6, 0.0, 0.8])
+            along /= np.linalg.norm(along)
+            azimuth = np.arctan2(direction @ np.cross(nominal, along), direction @ along)
+            assert abs(np.exp(1j * azimuth).mean()) < 5.0 / math.sqrt(DIRECTIONS)
+    assert not (result.status != 0).any()
+
+
+def test_the_rates_keep_their_length() -> None:
+    result = turned(2, noise=rigid.von_mises_fisher(1.0))
+    rates = result.starts(range(DIRECTIONS)).omega
+    np.testing.assert_allclose(np.linalg.norm(rates, axis=-1), 2.0, rtol=2e-15)
+    for kappa, omega in zip(KAPPAS[:-1], rates, strict=False):
+        off = 0.125 * ((omega - [0.0, 2.0, 0.0]) ** 2).sum(axis=-1)
+        check_distribution(off, kappa)
+    np.testing.assert_allclose(rates[-1] - [0.0, 2.0, 0.0], 0.0, atol=2.0 * math.sqrt(80e-300))
+    # Of any direction, and of the opposite of the third axis, where one of the axes across turns.
+    for nominal in ((1.0, -2.0, 0.5), (0.0, 0.0, -2.0), (0.0, 0.0, 0.0)):
+        spec = result.spec.replace(
+            start=rigid.Start(omega=nominal, noise=rigid.von_mises_fisher(3))
+        )
+        omega = (
+            rigid.stability_map(spec.replace(axes={"kappa": [3.0]}), progress=False)
+            .starts(range(DIRECTIONS))
+            .omega[0]
+        )
+        length = math.hypot(*nominal)
+        np.testing.assert_allclose(np.linalg.norm(omega, axis=-1), length, rtol=2e-15)
+        if length:
+            check_distribution(1.0 - omega @ nominal / length**2, 3.0)
+        else:
+            assert not omega.any()
+
+
+def test_numpy_draws_each_direction_again() -> None:
+    """To some roundings: the angle is 2 asin(sqrt(versine / 2)), its azimuth 2 pi u."""
+    result = turned(3, attitude_noise=rigid.von_mises_fisher(1.0))
+    bodies = result.starts(range(5)).attitude
+    for pixel, kappa in enumerate(KAPPAS):
+        for sample in range(5):
+            philox = np.random.Philox(key=result.spec.seed, counter=[1, sample, pixel, 0])
+            u = np.random.Generator(philox).random(4)
+            half = 0.5 * versine(kappa, u[0])
+            turn = 2.0 * math.pi * u[1]
+            expected = [
+                math.sqrt(1.0 - half),
+                math.sqrt(half) * math.cos(turn),
+                math.sqrt(half) * math.sin(turn),
+                0.0,
+            ]
+            # sqrt halves the 8 ulp of the versine; a sine has 1e-16 of its argument besides.
+            np.testing.assert_allclose(
+                bodies[pixel, sample], expected, rtol=2e-15, atol=4e-16 * math.sqrt(half)
+            )
+
+
+TOML = map_text(
+    x='name = "attitude_kappa"\nvalues = [1.0, 2.0]',
+    start="""spin = 2.0
+attitude_noise = { kind = "von_mises_fisher" }
+noise = { kind = "von_mises_fisher", kappa = 4.0 }""",
+)
+
+
+def test_directions_are_said_in_toml() -> None:
+    (start,) = parse_spec(TOML, "top.toml").start.starts
+    assert start.noise == rigid.von_mises_fisher(4.0)
+    assert start.attitude_noise == rigid.von_mises_fisher(0.0)
+    with pytest.raises(SpecError, match="kappa: an axis of the map sets kappa; omit the key here"):
+        parse_spec(TOML.replace('fisher" }', 'fisher", kappa = 1.0 }', 1), "top.toml")
+    with pytest.raises(SpecError, match="needs the key 'kappa'"):
+        parse_spec(TOML.replace(", kappa = 4.0", ""), "top.toml")
+    with pytest.raises(SpecError, match="unknown key 'size'"):
+        parse_spec(TOML.replace("kappa = 4.0", "size = 4.0"), "top.toml")
+
+
+test_what_no_start_can_draw_from = refuses(
+    [
+        (lambda: rigid.samples(), "samples() needs omega, attitude or both"),
+        (lambda: rigid.samples([1.0, 2.0, 3.0]), "omega: expected shape (n, 3), got (3,)"),
+        (lambda: rigid.samples(np.zeros((0, 3))), "omega: 0 samples, must be 1 to 100,000"),
+        (lambda: rigid.samples([[1.0, np.nan, 0.0]]), "omega[0, 1] = nan: must be finite"),
+        (
+            lambda: rigid.samples(np.zeros((2, 3)), [[1.0, 0.0, 0.0, 0.0]]),
+            "attitude: 1 samples, but omega has 2",
+        ),
+        (
+            lambda: rigid.samples(None, [[0.0, 0.0, 0.0, 0.0]]),
+            "attitude[0] = [0.0, 0.0, 0.0, 0.0]: a zero quaternion is no attitude",
+        ),
+        (
+            lambda: rigid.samples(np.zeros((2, 3)), weights=[[1.0, 2.0]]),
+            "weights: expected shape (n,), got (1, 2)",
+        ),
+        (lambda: rigid.samples(np.zeros((2, 3)), weights=[1.0]), "weights: 1 samples, but omega"),
+        (
+            lambda: rigid.samples(np.zeros((2, 3)), weights=[1.0, -1.0]),
+            "weights: must be finite, not negative, and not all zero",
+        ),
+        (
+            lambda: rigid.samples(np.zeros((2, 3)), weights=[1.0, 1.0], in_order=True),
+            "weights: samples that are used in order have none",
+        ),
+        (
+            lambda: rigid.Start(
+                spin=1.0, noise=rigid.samples(*listed()), attitude_noise=rigid.normal(1.0)
+            ),
+            "attitude_noise: the noise perturbs the attitude already",
+        ),
+        (
+            lambda: small_map(start=rigid.Start(spin=1.0, noise=rigid.samples(*listed()))),
+            "noise = 7 given samples with attitudes: the attitude of a free body",
+        ),
+        (
+            lambda: small_map(
+                axes={"noise": [1.0]}, start=rigid.Start(spin=1.0, noise=rigid.samples(listed()[0]))
+            ),
+            "the start has given samples, which have no size",
+        ),
+        (
+            lambda: rigid.samples([[1.0, 0.0, 0.0]], in_order=1),  # type: ignore[arg-type]
+            TypeError,
+            "in_order = 1: must be True or False",
+        ),
+        (
+            lambda: rigid.Noise("uniform", cov=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))),
+            "cov: belongs to normal noise",
+        ),
+        (
+            lambda: rigid.Start(spin=1.0, attitude_noise=rigid.normal(cov=np.eye(6))),
+            "attitude_noise: a covariance of rates and attitude is a noise",
+        ),
+        (
+            lambda: small_map(start=rigid.Start(spin=1.0, noise=rigid.normal(cov=np.eye(6)))),
+            "noise = normal(cov 6 x 6): the attitude of a free body",
+        ),
+        (
+            lambda: small_map(
+                axes={"noise": [1.0]},
+                start=rigid.Start(spin=1.0, noise=rigid.normal(cov=np.eye(3))),
+            ),
+            "the noise of the start has a covariance; give it a size",
+        ),
+        (lambda: rigid.mixture([QUIET]), "starts: 1 are given, must be 2 to 16"),
+        (lambda: rigid.mixture([QUIET] * 17), "starts: 17 are given, must be 2 to 16"),
+        (
+            lambda: rigid.mixture([QUIET, NO_START]),
+            TypeError,
+            "starts[1] = 3: must be a rigid.Start",
+        ),
+        (
+            lambda: rigid.mixture([QUIET, WILD], [1.0]),
+            "weights: expected shape (2,), one for each start, got (1,)",
+        ),
+        (
+            lambda: rigid.mixture([QUIET, WILD], [1.0, 0.0]),
+            "weights[1] = 0: must be positive and finite",
+        ),
+        (
+            lambda: small_map(
+                start=rigid.mixture([rigid.Start(spin=1.0, axis=k) for k in (1, 2)]),
+                axes={"spin": [1.0]},
+            ),
+            "stable: the starts of the mixture turn about different axes; give axis=...",
+        ),
+        (lambda: rigid.von_mises_fisher(-1.0), "kappa = -1.0: must not be negative"),
+        (lambda: rigid.von_mises_fisher(math.inf), "kappa = inf: must be finite"),
+        (
+            lambda: rigid.Start(
+                spin=1.0, noise=type(rigid.normal(1.0))("von_mises_fisher", (1.0, 2.0, 3.0))
+            ),
+            "kappa: expected a single concentration, got 3 numbers",
+        ),
+        (
+            lambda: turned(3, noise=rigid.normal(1.0)),
+            "axes: 'kappa' does not apply: the start has no noise=rigid.von_mises_fisher",
+        ),
+        (
+            lambda: turned(3, attitude_noise=rigid.normal(1.0)),
+            "axes: 'attitude_kappa' does not apply: the start has no attitude_noise=rigid.von",
+        ),
+        (
+            lambda: turned(3, noise=rigid.von_mises_fisher(1.0)).spec.replace(
+                axes={"noise": [1.0]}
+            ),
+            "axes: 'noise' does not apply: the noise of the start has a concentration; use kappa",
+        ),
+        (
+            lambda: turned(3, attitude_noise=rigid.von_mises_fisher(1.0)).spec.replace(
+                axes={"attitude_noise": [1.0]}
+            ),
+            "the attitude noise has a concentration; use attitude_kappa",
+        ),
+    ],
+    literal=True,
+)

@@ -20,7 +20,7 @@ from rigid import _core
 from rigid.cli.toml_map import parse_spec
 from rigid.cli.toml_table import SpecError
 from rigid.maps.core_request import CoreRequest, CoreStarts
-from rigid.model.criteria import NoFlip, TiltBelow
+from rigid.model.bounds import NoFlip, TiltBelow
 from rigid.model.criterion import Criterion
 from rigid.model.parameters import PARAMETERS
 from small_maps import small_map

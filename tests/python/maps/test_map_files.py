@@ -292,6 +292,23 @@ def test_a_long_specification_of_a_small_map_is_refused_before_it_is_read(
         assert "its specification is longer than its arrays" in refused(path)
 
 
+def test_a_specification_may_fill_a_quarter_of_the_file_and_not_a_byte_more(
+    arrays: dict[str, Any], tmp_path: Path
+) -> None:
+    """And 65536 bytes: those of titles."""
+    path, header = tmp_path / "long.npz", header_of(arrays)
+    plain = with_header(arrays, header | {"more": "x" * 100_000}, path).stat().st_size
+    held = len(json.dumps(header | {"more": "x" * 100_000})) + 128  # with the head of the array
+    # The file grows with the specification s: s = 65536 + (plain - held + s) / 4, rounded down.
+    most = max(s for s in range(held - 30_000, held) if s <= 2**16 + (plain - held + s) // 4)
+    for more, is_read in ((0, True), (1, False)):
+        with_header(arrays, header | {"more": "x" * (100_000 + most - held + more)}, path)
+        if is_read:
+            assert rigid.load_map(path).complete
+        else:
+            assert "its specification is longer than its arrays" in refused(path)
+
+
 def test_a_specification_of_more_pixels_than_the_file_has_is_refused(
     arrays: dict[str, Any], tmp_path: Path
 ) -> None:

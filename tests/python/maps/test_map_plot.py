@@ -18,7 +18,7 @@ import rigid
 from processes import python_process
 from rigid.drawing.along import SIZE, _broken, write_along
 from rigid.maps.contours import zero_lines
-from rigid.maps.data import FAILURES
+from rigid.maps.data import STORED
 from rigid.maps.page import content_of_map
 from small_maps import Floats, small_map, spec_of
 
@@ -32,14 +32,8 @@ def result() -> rigid.StabilityMap:
 
 def pretended(spec: rigid.MapSpec, **changes: Any) -> rigid.StabilityMap:
     """A result with 20 stable bodies in every pixel but for these changes."""
-    arrays: dict[str, Any] = {
-        name: np.zeros(spec.shape, dtype=np.int64)
-        for name in ("unstable", "undecided", "failed", "checked", "steps", "exact", *FAILURES)
-    }
-    arrays["stable"] = np.full(spec.shape, 20)
-    arrays["status"] = np.zeros(spec.shape, dtype=np.uint8)
-    numbers = ("energy_drift", "momentum_drift", "unit_drift", "earliest")
-    arrays |= {name: np.zeros(spec.shape) for name in numbers}
+    arrays: dict[str, Any] = {name: np.zeros(spec.shape, dtype=np.int64) for name in STORED}
+    arrays["stable"] += 20
     for name, cells in changes.items():
         for index, value in cells.items():
             arrays[name][index] = value

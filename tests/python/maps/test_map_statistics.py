@@ -5,10 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.special import ellipk, ellipkinc
+from scipy.special import betaincinv, ellipk, ellipkinc
+from scipy.stats import binom, binomtest
 
 import rigid
-from rigid.maps.data import FAILURES
+from refusals import refuses
+from rigid import _core
+from rigid.maps.data import CONFIDENCE, interval
 from small_maps import Floats, small_map, spec_of
 
 COUNTS = ("stable", "unstable", "undecided", "failed")
@@ -16,15 +19,8 @@ COUNTS = ("stable", "unstable", "undecided", "failed")
 
 def counted(**counts: list[int]) -> rigid.StabilityMap:
     """A result with these numbers of bodies in the pixels of a row."""
-    length = len(next(iter(counts.values())))
-    spec = spec_of(axes={"spin": np.arange(1.0, length + 1.0)})
-    zero = np.zeros(length, dtype=np.int64)
-    arrays: dict[str, Any] = dict.fromkeys((*COUNTS, *FAILURES, "checked", "steps", "exact"), zero)
-    numbers = ("energy_drift", "momentum_drift", "unit_drift", "earliest")
-    arrays |= {name: np.zeros(length) for name in numbers}
-    arrays["status"] = zero.astype(np.uint8)
-    arrays |= {name: np.array(values) for name, values in counts.items()}
-    return rigid.StabilityMap.from_arrays(spec, arrays)
+    spec = spec_of(axes={"spin": np.arange(1.0, len(counts["stable"]) + 1.0)}, samples=100)
+    return rigid.StabilityMap.from_counts(spec, **counts)
 
 
 # The share
@@ -32,7 +28,7 @@ def counted(**counts: list[int]) -> rigid.StabilityMap:
 
 def test_share_is_that_of_the_decided() -> None:
     result = counted(
-        stable=[3, 0, 0, 0], unstable=[1, 0, 4, 0], undecided=[6, 5, 0, 0], failed=[2, 0, 0, 7]
+        stable=[3, 0, 0, 0], unstable=[1, 0, 4, 0], undecided=[6, 5, 0, 0], drifted=[2, 0, 0, 7]
     )
     np.testing.assert_array_equal(result.share, [0.75, np.nan, 0.0, np.nan])
     np.testing.assert_array_equal(result.samples, [12, 5, 4, 7])
@@ -51,7 +47,7 @@ def test_undecided_bodies_widen_the_interval_both_ways() -> None:
 
 
 def test_failed_bodies_are_no_evidence() -> None:
-    result = counted(stable=[20, 20], unstable=[30, 30], failed=[0, 50])
+    result = counted(stable=[20, 20], unstable=[30, 30], drifted=[0, 50])
     assert result.lower[0] == result.lower[1]
     assert result.upper[0] == result.upper[1]
     assert result.share[0] == result.share[1]
@@ -224,16 +220,14 @@ def test_the_earliest_flip_is_that_of_the_elliptic_functions(
 
 def test_a_direction_that_lost_its_length_gives_no_verdict() -> None:
     """The rates of a permanent rotation are exact for any step, the direction carried is not."""
-    result = rigid.stability_map(
+    result = small_map(
         rigid.FreeBody(rigid.Body((1.0, 1.2, 1.9))),
         axes={"omega1": [1.0]},
         start=rigid.Start(omega=(1.0, 0.0, 0.0)),
         stable=rigid.tilt_below(3.1, axis=3),
-        method="rk4",
         samples=1,
         t_end=100.0,
         step=1.3,
-        rng=1,
     )
     assert result.failed[0] == 1
     assert result.replay(0, 0, t=[0.0]).status == "drifted"
@@ -281,10 +275,7 @@ def test_the_summary_tells_each_drift_by_its_name() -> None:
         rigid.FreeBody(rigid.Body((1.0, 1.2, 1.9))),
         axes={"spin": [1.0, 1.1]},
         start=rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.1)),
-        stable=rigid.no_flip(),
         samples=2,
-        t_end=20.0,
-        method="rk4",
         step=0.5,
         check=0.0,
     )
@@ -295,17 +286,13 @@ def test_the_summary_tells_each_drift_by_its_name() -> None:
 
 
 def test_the_summary_counts_the_bodies_that_were_repeated() -> None:
-    result = rigid.stability_map(
+    result = small_map(
         rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0))),
         axes={"spin": [1.0, 1.1]},
         start=rigid.Start(spin=1.0, axis=1, noise=rigid.normal(1e-3)),
-        stable=rigid.no_flip(),
-        samples=10,
         t_end=16.0,
-        method="rk4",
         step=0.1,
         max_steps=160,  # enough for the step asked, not for half of it
-        rng=1,
     )
     assert result.checked.sum() == 0
     assert result.undecided.sum() == result.failed.sum() == 0
@@ -313,11 +300,7 @@ def test_the_summary_counts_the_bodies_that_were_repeated() -> None:
 
 
 def test_a_share_to_check_is_not_rounded_up_by_its_binary_digits() -> None:
-    result = rigid.stability_map(
-        rigid.FreeBody, axes={"spin": [1.0]}, samples=100, t_end=1.0, check=0.07,
-        stable=rigid.no_flip(), method="rk4", rng=1, progress=False,
-    )  # fmt: skip
-    assert result.checked[0] == 7
+    assert small_map(axes={"spin": [1.0]}, samples=100, t_end=1.0, check=0.07).checked[0] == 7
 
 
 def test_a_map_is_shown_with_the_share_of_each_class() -> None:
@@ -325,3 +308,319 @@ def test_a_map_is_shown_with_the_share_of_each_class() -> None:
     done = int(result.samples.sum())
     for name in ("stable", "unstable", "undecided", "failed"):
         assert f"{100.0 * int(getattr(result, name).sum()) / done:.1f}% {name}" in repr(result)
+
+
+# The 95 % interval of a share: published values, its two tails, and how often it covers.
+
+
+HALF = 0.025
+
+
+def all_intervals(trials: int) -> tuple[Floats, Floats]:
+    """The intervals of 0, 1, ... successes."""
+    successes = np.arange(trials + 1)
+    return interval(successes, np.full_like(successes, trials))
+
+
+@pytest.mark.parametrize(
+    ("successes", "trials", "lower", "upper"),
+    [
+        # R. G. Newcombe, Statistics in Medicine 17 (1998) 857, table I, method 5.
+        (81, 263, 0.2527, 0.3676),
+        (15, 148, 0.0578, 0.1617),
+        (0, 20, 0.0, 0.1684),
+        (1, 29, 0.0009, 0.1776),
+    ],
+)
+def test_clopper_pearson_interval_has_the_published_values(
+    successes: int, trials: int, lower: float, upper: float
+) -> None:
+    found = interval(np.array([successes]), np.array([trials]))
+    assert found[0][0] == pytest.approx(lower, abs=5e-5)
+    assert found[1][0] == pytest.approx(upper, abs=5e-5)
+
+
+@pytest.mark.parametrize("trials", [1, 2, 3, 4, 7, 16, 64, 256, 1000, 10**4, 10**5, 10**6])
+def test_intervals_are_quantiles_of_the_beta_distribution(trials: int) -> None:
+    """SciPy's own error grows to 8e-13 at 10^6 trials; the core is compared with 90 digits."""
+    k = np.unique(np.linspace(0, trials, 200).astype(np.int64))
+    lower, upper = interval(k, np.full_like(k, trials))
+    some, fewer = k > 0, k < trials
+    np.testing.assert_allclose(
+        lower[some], betaincinv(k[some], trials - k[some] + 1, HALF), rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        upper[fewer], betaincinv(k[fewer] + 1, trials - k[fewer], 1.0 - HALF), rtol=0, atol=1e-12
+    )
+    # Exactly, or a certain prediction would lie outside.
+    assert (lower[~some].tolist(), upper[~fewer].tolist()) == ([0.0], [1.0])
+    expected = binomtest(int(k[-2]), trials).proportion_ci(0.95, method="exact")
+    assert (lower[-2], upper[-2]) == pytest.approx((expected.low, expected.high), rel=1e-9)
+
+
+def test_a_share_and_its_complement_have_mirrored_intervals() -> None:
+    lower, upper = all_intervals(100)
+    np.testing.assert_array_equal(upper, 1.0 - lower[::-1])
+    assert (np.diff(lower) > 0.0).all()
+
+
+def coverage(trials: int) -> tuple[Floats, Floats]:
+    """True shares, and the chances with which the intervals of their counts hold them."""
+    lower, upper = all_intervals(trials)
+    even = np.linspace(0.0, 1.0, 20_001)
+    small = np.geomspace(1e-7, 0.5, 2_000)
+    # Coverage jumps at the ends of intervals: from both sides.
+    ends = np.concatenate([lower, upper])
+    beside = [np.nextafter(ends, 0.0), np.nextafter(ends, 1.0)]
+    shares = np.concatenate([even, small, 1.0 - small, ends, *beside])
+    holds = (lower <= shares[:, np.newaxis]) & (shares[:, np.newaxis] <= upper)
+    chances = binom.pmf(np.arange(trials + 1), trials, shares[:, np.newaxis])
+    return shares, (holds * chances).sum(axis=1)
+
+
+@pytest.mark.parametrize("trials", [1, 2, 3, 5, 8, 16, 64, 256])
+def test_intervals_cover_every_true_share_as_often_as_they_say(trials: int) -> None:
+    """Exact coverage: the binomial chances of the counts whose interval holds the true share.
+
+    Wilson's interval, which maps had before, covers 84 % at worst: of 64 bodies, at 0.0027.
+    """
+    lower, upper = all_intervals(trials)
+    _, covered = coverage(trials)
+    # The sum of some hundred chances is rounded to 1e-13.
+    assert covered.min() >= CONFIDENCE - 1e-13
+    # No interval is wider than it must be: a little shorter at either end, and a tail is lost.
+    k = np.arange(1, trials + 1)
+    np.testing.assert_allclose(binom.sf(k - 1, trials, lower[1:]), HALF, rtol=1e-11)
+    np.testing.assert_allclose(binom.cdf(k - 1, trials, upper[:-1]), HALF, rtol=1e-11)
+
+
+@pytest.mark.parametrize("trials", [128, 256, 400])
+def test_intervals_are_no_wider_than_counts_allow(trials: int) -> None:
+    """They cover 95 to 97 % where counts scatter by 5 or more, and always at the ends.
+
+    There an interval covers always or never, because only one count is possible.
+    """
+    shares, covered = coverage(trials)
+    common = trials * shares * (1.0 - shares) >= 25.0
+    assert common.any()
+    assert covered[common].max() <= 0.97
+    assert (covered[np.isin(shares, [0.0, 1.0])] == 1.0).all()
+
+
+def test_pixels_have_the_intervals_of_their_own_counts() -> None:
+    successes = np.array([[3, 0, 3], [0, 64, 0]])
+    trials = np.array([[64, 64, 3], [0, 64, 64]])
+    lower, upper = interval(successes, trials)
+    for place in np.ndindex(2, 3):
+        one = interval(successes[place].reshape(1), trials[place].reshape(1))
+        np.testing.assert_array_equal([lower[place], upper[place]], np.ravel(one))
+    assert np.isnan([lower[1, 0], upper[1, 0]]).all()
+
+
+def test_other_levels_are_those_asked_for() -> None:
+    k, n = np.array([5]), np.array([64])
+    lower, upper = _core.clopper_pearson(k, n, 0.965)
+    assert binom.sf(4, 64, lower[0]) == pytest.approx(0.0175, rel=1e-12)
+    assert binom.cdf(5, 64, upper[0]) == pytest.approx(0.0175, rel=1e-12)
+
+
+test_counts_that_cannot_be_have_no_interval = refuses(
+    [
+        ([2], [1], 0.95, "successes = 2 of 1: must be at most the trials"),
+        ([-1], [1], 0.95, "successes = -1: must not be negative"),
+        ([0], [-1], 0.95, "trials = -1: must not be negative"),
+        ([1], [2**51], 0.95, "trials = 2251799813685248: must be at most 2\\^50"),
+        ([1], [2], 0.0, "confidence = 0: must lie between 0 and 1"),
+        ([1], [2], np.nan, "confidence = NaN: must lie between 0 and 1"),
+        ([1, 1], [2], 0.95, r"trials: expected shape \(2, ...\), got \(1, ...\)"),
+    ],
+    by=lambda successes, trials, confidence: _core.clopper_pearson(
+        np.array(successes), np.array(trials), confidence
+    ),
+)
+
+
+# What a map says of itself: intervals cover as they say, and wrong verdicts are caught.
+
+
+SIDE = 80
+
+
+def maps() -> dict[str, dict[str, Any]]:
+    """A throw and a top, one body in each pixel, both with closed forms to judge by."""
+    return {
+        "throw": {
+            "scene": rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)),
+            "axes": {
+                "b": np.linspace(0.012, 0.248, SIDE),
+                "noise": np.geomspace(1e-4, 1.0, SIDE),
+            },
+            "start": rigid.Start(spin=10.0, axis=2, noise=rigid.normal(1e-3)),
+            "stable": rigid.no_flip(2),
+            "t_end": 1.0,
+        },
+        "top": {
+            "scene": rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0),
+            "axes": {
+                "spin": np.linspace(1.0, 6.0, SIDE),
+                "tilt": np.linspace(0.01, 1.0, SIDE),
+            },
+            "stable": rigid.tilt_below(1.2),
+            "t_end": 20.0,
+        },
+    }
+
+
+# Steps at which the method alone judges some of the bodies wrongly.
+TOO_LONG = [
+    ("throw", "splitting", 0.03),
+    ("throw", "splitting", 0.0625),
+    ("throw", "splitting4", 0.0625),
+    ("top", "splitting", 0.2),
+    ("top", "splitting", 1.25),
+    ("top", "splitting4", 1.25),
+    ("top", "chin4a", 1.25),
+    ("top", "dop853", 0.625),
+]
+
+
+@pytest.mark.parametrize(("name", "method", "step"), TOO_LONG)
+def test_wrong_verdicts_of_coarse_steps_are_caught(name: str, method: str, step: float) -> None:
+    options: dict[str, Any] = {"samples": 1, "rng": 5, "progress": False, **maps()[name]}
+    truth = rigid.stability_map(**options, method="exact")
+    alone = rigid.stability_map(**options, method=method, step=step, check=0.0)
+    checked = rigid.stability_map(**options, method=method, step=step)
+    judged = (alone.failed == 0) & (truth.undecided == 0)
+    wrong = judged & (alone.stable != truth.stable)
+    assert wrong.sum() >= 5, "the steps are not coarse enough to show anything"
+    assert checked.undecided[wrong].mean() >= 0.99
+    # The second method is right but within 1e-12 of the border: it flags no right verdict here.
+    assert checked.undecided[judged & ~wrong].mean() <= 0.001
+    # Failed is failed with either.
+    np.testing.assert_array_equal(checked.failed, alone.failed)
+
+
+def test_reasons_of_failure_sum_up() -> None:
+    """Faster bodies overflow, a fast one drifts."""
+    result = small_map(
+        axes={"spin": [1.0, 30.0, 1e200]},
+        start=rigid.Start(spin=1.0, axis=3, tilt=0.8),
+        step=0.1,
+        samples=3,
+        t_end=100.0,
+    )
+    assert result.drifted.tolist() == [0, 3, 0]
+    assert result.not_finite.tolist() == [0, 0, 3]
+    assert "6 failed (66.67%): 3 not finite, 3 drifted" in result.summary()
+    np.testing.assert_array_equal(result.failed, result.not_finite + result.drifted)
+
+
+@pytest.mark.parametrize("method", ["auto", "dop853"])
+def test_a_pair_of_flips_inside_a_long_step_is_seen(method: str) -> None:
+    """In two of these pixels the rate passes zero and comes back within a long step."""
+    options: dict[str, Any] = {
+        "axes": {
+            "omega1": np.linspace(-1.5, 1.5, 41),
+            "omega2": np.linspace(-1.5, 1.5, 40),
+        },
+        "start": rigid.Start(omega=(0.0, 0.0, 0.4), tilt=0.7),
+        "stable": rigid.no_flip(3),
+        "t_end": 3.0,
+        "samples": 1,
+        "check": 0.0,
+        "rng": 1,
+    }
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+    fine = rigid.stability_map(top, method="rk4", step=2e-3, **options)
+    long = rigid.stability_map(top, method=method, **options)
+    np.testing.assert_array_equal(long.stable, fine.stable)
+
+
+# The share that is checked
+
+GROUP = 64
+"""Bodies with common audits."""
+
+COM = np.array([0.36, 0.24, 1.1]) / np.linalg.norm([0.36, 0.24, 1.1])
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.0, com=COM)
+REQUEST: dict[str, Any] = {
+    "method": "auto",
+    "axes": {"mgl": np.linspace(0.05, 1.2, 6), "noise": [1e-3, 1e-2, 1e-1]},
+    "start": rigid.Start(spin=1.5, axis=3, noise=rigid.normal(1e-3)),
+    "stable": rigid.tilt_below(3.0),
+    "t_end": 20.0,
+    "samples": 2 * GROUP + 20,
+}
+
+
+@pytest.fixture(scope="module")
+def asymmetric() -> rigid.StabilityMap:
+    return small_map(TOP, **REQUEST)
+
+
+def test_two_or_three_bodies_of_each_group_are_audited(asymmetric: rigid.StabilityMap) -> None:
+    """The first two and the one that ran longest, if it is another."""
+    groups = 3
+    assert ((2 * groups <= asymmetric.audited) & (asymmetric.audited <= 3 * groups)).all()
+    assert (asymmetric.audited <= asymmetric.checked).all()
+    # The motion inside a step errs by 1e-6 rad, which asks for a margin of 0.03 rad.
+    assert asymmetric.checked.sum() < 0.3 * asymmetric.samples.sum()
+    assert not asymmetric.audited_undecided.any()
+
+
+def test_the_summary_tells_the_audit(asymmetric: rigid.StabilityMap) -> None:
+    words = (
+        f"{asymmetric.checked.sum():,} cross-checked by dop853, "
+        f"{asymmetric.audited.sum():,} of these as an audit: 0 differ"
+    )
+    assert words in asymmetric.summary()
+
+
+def test_the_classes_are_those_of_a_check_of_all(asymmetric: rigid.StabilityMap) -> None:
+    everything = small_map(TOP, **REQUEST, check=1.0)
+    np.testing.assert_array_equal(everything.audited, everything.checked)
+    np.testing.assert_array_equal(everything.checked, everything.samples)
+    for name in ("stable", "unstable", "undecided", "failed", "earliest"):
+        np.testing.assert_array_equal(getattr(asymmetric, name), getattr(everything, name), name)
+
+
+def test_no_wrong_class_of_coarse_steps_is_kept() -> None:
+    """The steps err by 0.01 rad and more, for which no margin is wide enough."""
+    coarse: dict[str, Any] = {**REQUEST, "method": "splitting", "step": 0.4}
+    alone, checked = small_map(TOP, **coarse, check=0.0), small_map(TOP, **coarse)
+    truth = small_map(TOP, **{**REQUEST, "method": "dop853"})
+    assert np.abs(alone.stable - truth.stable).sum() >= 100
+    assert checked.checked.sum() > 0.5 * checked.samples.sum()
+    assert (np.abs(checked.stable - truth.stable) <= checked.undecided).all()
+
+
+def test_a_flip_does_not_tell_its_margin() -> None:
+    flips = small_map(TOP, **{**REQUEST, "stable": rigid.no_flip(3)})
+    np.testing.assert_array_equal(flips.checked, flips.samples)
+    np.testing.assert_array_equal(flips.audited, flips.samples)
+
+
+def test_chaotic_bodies_are_seen_by_the_audits() -> None:
+    """Tops whose errors grow by a factor of 1e8: a check of all bodies leaves some undecided."""
+    rng = np.random.default_rng(1072)
+    moments = np.sort(rng.uniform(0.5, 2.0, 3))
+    moments[2] = min(moments[2], 0.95 * (moments[0] + moments[1]))
+    moments = rng.permutation(moments)
+    com = rng.standard_normal(3)
+    rng.choice([20, 50, 100, 200])
+    limit, spin = float(rng.uniform(1.5, 3.1)), float(rng.uniform(0.5, 3.0))
+    axis, tilt = int(rng.integers(1, 4)), float(rng.uniform(0.0, 2.0))
+    top = rigid.HeavyTop(rigid.Body(moments), mgl=1.0, com=com / np.linalg.norm(com))
+    request: dict[str, Any] = {
+        "method": "auto",
+        "axes": {"mgl": np.linspace(0.1, 3.0, 8), "noise": np.geomspace(1e-4, 0.3, 6)},
+        "start": rigid.Start(spin=spin, axis=axis, tilt=tilt, noise=rigid.normal(1e-3)),
+        "stable": rigid.tilt_below(limit),
+        "t_end": 100.0,
+        "samples": GROUP,
+        "rng": 72,
+    }
+    some, everything = small_map(top, **request), small_map(top, **request, check=1.0)
+    assert everything.undecided.sum() >= 20
+    assert some.checked.sum() < 0.5 * some.samples.sum()
+    np.testing.assert_array_equal(some.undecided, everything.undecided)

@@ -2,6 +2,7 @@
 
 import math
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -110,6 +111,12 @@ FINE: dict[str, Any] = {"method": "dop853", "step": 0.01, "check": 0.0}
 """Steps whose errors are rounding."""
 
 
+@cache
+def fine() -> np.ndarray[Any, np.dtype[np.float64]]:
+    """The value of each measure of each body by these steps."""
+    return each_body(measured(**FINE))
+
+
 @pytest.mark.parametrize(
     "options",
     [
@@ -122,8 +129,7 @@ FINE: dict[str, Any] = {"method": "dop853", "step": 0.01, "check": 0.0}
 )
 def test_the_stated_error_is_that_of_the_worst_body(options: dict[str, Any]) -> None:
     result = measured(**options)
-    values, truths = each_body(result), each_body(measured(**FINE))
-    for one, mine, true in zip(result.measures.values(), values, truths, strict=True):
+    for one, mine, true in zip(result.measures.values(), each_body(result), fine(), strict=True):
         if one.measure.name == "drift":
             assert np.isnan(one.error).all()
             continue
@@ -335,6 +341,21 @@ def test_a_rate_near_zero_that_moves_away_first_leaves_when_it_comes_back() -> N
         assert abs(left[body] - change) < 1e-4
 
 
+@cache
+def first_changes(pixel: int) -> tuple[Any, Any]:
+    """Bodies whose rate about axis 1, which begins at zero, has changed its sign by 0.1 s; when."""
+    result = measured(samples=SAMPLES, measure=())
+    starts, t = result.starts(range(SAMPLES), pixel=pixel), np.linspace(0.0, 0.1, 10_001)
+    assert not starts.omega[:, 0].any()
+    scene = result.spec.grid.scene[pixel]
+    rates = rigid.simulate(
+        scene, starts.omega, starts.attitude, t=t, method="taylor20", step=0.01, check=False
+    ).omega[:, 1:, 0]
+    changed = rates[:, :-1] * rates[:, 1:] < 0.0
+    early = np.flatnonzero(changed.any(axis=1))
+    return early, t[1:][np.argmax(changed[early], axis=1)]
+
+
 @pytest.mark.parametrize(
     "options", [{"method": "rk4", "step": 0.05}, {"method": "dop853", "step": 0.1}]
 )
@@ -342,18 +363,10 @@ def test_a_rate_that_begins_at_zero_and_comes_back_leaves_then(options: dict[str
     """The start is no change of the sign, however long the first step is."""
     chosen: dict[str, Any] = {"stable": rigid.no_flip(1), "measure": rigid.time_to_leave()}
     result = measured(**chosen, **options)
-    t = np.linspace(0.0, 0.1, 10_001)
     found = np.zeros(2)
     for pixel in range(3):
-        starts = result.starts(range(SAMPLES), pixel=pixel)
-        assert not starts.omega[:, 0].any()
+        early, changes = first_changes(pixel)
         left = result.outcomes(range(SAMPLES), pixel=pixel).measures["time_to_leave"]
-        scene = result.spec.grid.scene[pixel]
-        rates = rigid.simulate(
-            scene, starts.omega, starts.attitude, t=t, method="taylor20", step=0.01, check=False
-        ).omega[:, 1:, 0]
-        early = np.flatnonzero((rates[:, :-1] * rates[:, 1:] < 0.0).any(axis=1))
-        changes = t[1:][np.argmax(rates[early, :-1] * rates[early, 1:] < 0.0, axis=1)]
         # Both runs agree to a thousandth, or there is no time; the spacing of the times.
         has = ~np.isnan(left[early])
         np.testing.assert_allclose(left[early][has], changes[has], rtol=1e-3, atol=1e-5)

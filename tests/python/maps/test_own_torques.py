@@ -13,6 +13,7 @@ import pytest
 
 import rigid
 from refusals import refuses
+from rigid.model.criterion import Criterion
 from rigid.model.scene import Scene
 
 BODY = rigid.Body((1.0, 1.5, 2.0))
@@ -36,13 +37,16 @@ def in_space(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> Non
     torque[2] = data[0] * (2 * (x * z + w * y) + 1 - 2 * (x * x + y * y))
 
 
+def called(function: Any, gain: Any) -> rigid.Torque:
+    return rigid.Torque.call(function, gain[:, np.newaxis], fastest=FASTEST)
+
+
 def damped(gain: Any) -> Scene:
     return rigid.FreeBody(BODY, damping=gain[:, np.newaxis] * np.ones(3))
 
 
 def damped_by_a_function(gain: Any) -> Scene:
-    torque = rigid.Torque.call(damping, gain[:, np.newaxis], fastest=FASTEST)
-    return rigid.FreeBody(BODY, torque=torque)
+    return rigid.FreeBody(BODY, torque=called(damping, gain))
 
 
 def damped_without_a_bound(gain: Any) -> Scene:
@@ -55,15 +59,14 @@ def pushed(gain: Any) -> Scene:
 
 
 def pushed_by_a_function(gain: Any) -> Scene:
-    torque = rigid.Torque.call(in_space, gain[:, np.newaxis], fastest=FASTEST)
-    return rigid.HeavyTop(BODY, mgl=0.5, com=(0.0, 0.6, 0.8), torque=torque)
+    return rigid.HeavyTop(BODY, mgl=0.5, com=(0.0, 0.6, 0.8), torque=called(in_space, gain))
 
 
 ASKED: dict[str, Any] = {
     "axes": {"gain": [0.05, 0.2], "spin": [0.4, 1.5]},
     "start": rigid.Start(spin=1.0, axis=3, noise=rigid.normal(0.2)),
     "t_end": 8.0,
-    "samples": 6,
+    "samples": 4,
     "rng": 5,
     "threads": 1,  # two would wait for each other in Python
 }
@@ -74,36 +77,6 @@ def counts(result: rigid.StabilityMap) -> Any:
     return np.array([getattr(result, name) for name in CLASSES])
 
 
-@pytest.mark.parametrize(
-    "stable",
-    [
-        ~rigid.spin_above(0.3),
-        rigid.spin_above(0.2, axis=3),
-        rigid.no_flip(axis=1),
-        rigid.rate_within(0.4),
-        rigid.near_start(2.0),
-        rigid.returns(1.0, after=3.0),
-    ],
-    ids=str,
-)
-def test_a_map_under_a_function_is_that_of_its_twin(stable: Any) -> None:
-    asked = {**ASKED, "stable": stable, "measure": [rigid.flips(1), rigid.mean_rate(3)]}
-    known = rigid.stability_map(damped, **asked)
-    called = rigid.stability_map(damped_by_a_function, **asked)
-    assert np.array_equal(counts(called), counts(known))
-    assert 0 < known.stable.sum() < known.samples.sum()
-    # What is watched inside steps of 0.6 rad is known to 1e-6 of a turn; a time of leaving so far
-    # as the margin of the criterion changes by no less than a hundredth of that.
-    left = np.isfinite(known.earliest)
-    assert np.array_equal(left, np.isfinite(called.earliest))
-    assert np.allclose(called.earliest[left], known.earliest[left], rtol=0.0, atol=1e-4)
-    for name, mine in called.measures.items():
-        assert np.allclose(mine.mean, known.measures[name].mean, rtol=0.0, atol=1e-6)
-    assert (called.checked == called.samples).all()
-    assert called.plan.method == "dop853"
-    assert "cross-checked by dop853 in half the steps" in called.summary()
-
-
 ORBIT = rigid.Orbit(1.0, 0.1)
 
 
@@ -112,43 +85,63 @@ def librating(gain: Any) -> Scene:
 
 
 def librating_under_a_function(gain: Any) -> Scene:
-    torque = rigid.Torque.call(damping, gain[:, np.newaxis], fastest=FASTEST)
-    return rigid.FreeBody(BODY, orbit=ORBIT, torque=torque)
+    return rigid.FreeBody(BODY, orbit=ORBIT, torque=called(damping, gain))
 
 
-@pytest.mark.parametrize(
-    "stable",
-    [rigid.pointing_within(1.2, 1, either=True), rigid.no_flip(axis=3), rigid.rate_within(0.6)],
-    ids=str,
-)
-def test_a_map_of_satellites_under_a_function_is_that_of_its_twin(stable: Any) -> None:
-    start = rigid.Start(omega=(0.0, 0.0, 1.0), noise=rigid.normal(0.4))
-    asked = {**ASKED, "axes": {"gain": [0.05, 0.2]}, "start": start, "samples": 20}
-    known = rigid.stability_map(librating, stable=stable, **asked)
-    called = rigid.stability_map(librating_under_a_function, stable=stable, **asked)
-    assert np.array_equal(counts(called), counts(known))
+MEASURED = {"measure": [rigid.flips(1), rigid.mean_rate(3)]}
+SATELLITES = {
+    "axes": {"gain": [0.05, 0.2]},
+    "start": rigid.Start(omega=(0.0, 0.0, 1.0), noise=rigid.normal(0.4)),
+    "samples": 12,
+}
+TILTED = {
+    "axes": {"gain": [0.02, 0.3], "tilt": [0.1, 0.7]},
+    "start": rigid.Start(spin=1.5, axis=3, noise=rigid.normal(0.2)),
+}
+TWINS: list[tuple[Any, Any, dict[str, Any], Criterion]] = [
+    (damped, damped_by_a_function, MEASURED, ~rigid.spin_above(0.3)),
+    (damped, damped_by_a_function, MEASURED, rigid.spin_above(0.2, axis=3)),
+    (damped, damped_by_a_function, MEASURED, rigid.no_flip(axis=1)),
+    (damped, damped_by_a_function, MEASURED, rigid.rate_within(0.4)),
+    (damped, damped_by_a_function, MEASURED, rigid.near_start(3.0)),
+    (damped, damped_by_a_function, MEASURED, rigid.returns(1.0, after=3.0)),
+    (librating, librating_under_a_function, SATELLITES, rigid.pointing_within(1.2, 1, either=True)),
+    (librating, librating_under_a_function, SATELLITES, rigid.no_flip(axis=3)),
+    (librating, librating_under_a_function, SATELLITES, rigid.rate_within(0.6)),
+    (pushed, pushed_by_a_function, TILTED, rigid.tilt_below(0.8)),
+    (pushed, pushed_by_a_function, TILTED, rigid.tilt_between(0.0, 1.2)),
+]
+
+
+@pytest.mark.parametrize(("scene", "by_a_function", "options", "stable"), TWINS)
+def test_a_map_under_a_function_is_that_of_its_twin(
+    scene: Any, by_a_function: Any, options: dict[str, Any], stable: Criterion
+) -> None:
+    asked = {**ASKED, "stable": stable, **options}
+    known = rigid.stability_map(scene, **asked)
+    by_it = rigid.stability_map(by_a_function, **asked)
+    assert np.array_equal(counts(by_it), counts(known))
     assert 0 < known.stable.sum() < known.samples.sum()
+    # What is watched inside steps of 0.6 rad is known to 1e-6 of a turn; a time of leaving so far
+    # as the margin of the criterion changes by no less than a hundredth of that.
     left = np.isfinite(known.earliest)
-    assert np.allclose(called.earliest[left], known.earliest[left], rtol=0.0, atol=1e-4)
-
-
-@pytest.mark.parametrize("stable", [rigid.tilt_below(0.8), rigid.tilt_between(0.0, 1.2)], ids=str)
-def test_a_function_of_the_attitude_tilts_a_top_as_its_twin_does(stable: Any) -> None:
-    asked = {**ASKED, "stable": stable, "axes": {"gain": [0.02, 0.3], "tilt": [0.1, 0.7]}}
-    asked["start"] = rigid.Start(spin=1.5, axis=3, noise=rigid.normal(0.2))
-    known = rigid.stability_map(pushed, **asked)
-    called = rigid.stability_map(pushed_by_a_function, **asked)
-    assert np.array_equal(counts(called), counts(known))
-    assert 0 < known.stable.sum() < known.samples.sum()
+    assert np.array_equal(left, np.isfinite(by_it.earliest))
+    assert np.allclose(by_it.earliest[left], known.earliest[left], rtol=0.0, atol=1e-4)
+    for name, mine in by_it.measures.items():
+        assert np.allclose(mine.mean, known.measures[name].mean, rtol=0.0, atol=1e-6)
+    assert by_it.plan.method == "dop853"
+    if options is MEASURED:
+        assert (by_it.checked == by_it.samples).all()
+        assert "cross-checked by dop853 in half the steps" in by_it.summary()
 
 
 @pytest.mark.parametrize("method", ["rk4", "dop853", "midpoint"])
 def test_each_method_of_functions_makes_a_map(method: str) -> None:
     asked = {**ASKED, "stable": rigid.no_flip(axis=1)}
     known = rigid.stability_map(damped, **asked)
-    called = rigid.stability_map(damped_by_a_function, **asked, method=method)
-    assert np.array_equal(called.stable + called.undecided >= known.stable, [[True] * 2] * 2)
-    assert np.array_equal(called.unstable + called.undecided >= known.unstable, [[True] * 2] * 2)
+    by_it = rigid.stability_map(damped_by_a_function, **asked, method=method)
+    assert np.array_equal(by_it.stable + by_it.undecided >= known.stable, [[True] * 2] * 2)
+    assert np.array_equal(by_it.unstable + by_it.undecided >= known.unstable, [[True] * 2] * 2)
 
 
 @SIGNATURE  # type: ignore[untyped-decorator]
@@ -212,11 +205,11 @@ def test_a_custom_criterion_needs_no_bound_of_the_rates() -> None:
     asked = {**ASKED, "stable": rigid.judged(slow_at_the_end, t=[4.0, 8.0])}
     del asked["t_end"]
     known = rigid.stability_map(damped, **asked)
-    called = rigid.stability_map(damped_without_a_bound, **asked)
-    assert np.array_equal(counts(called), counts(known))
+    by_it = rigid.stability_map(damped_without_a_bound, **asked)
+    assert np.array_equal(counts(by_it), counts(known))
     assert 0 < known.stable.sum() < known.samples.sum()
-    assert called.checked.sum() == called.samples.sum()
-    replay = called.replay((1, 1), 2)
+    assert by_it.checked.sum() == by_it.samples.sum()
+    replay = by_it.replay((1, 1), 2)
     assert replay.run.spec["tolerance"] is not None
     by_steps = rigid.stability_map(damped_without_a_bound, **asked, step=0.2)
     assert np.array_equal(counts(by_steps), counts(known))
@@ -233,8 +226,7 @@ def test_a_body_of_the_map_is_replayed_with_its_bits() -> None:
 def test_a_body_that_begins_without_the_watched_rate_gets_its_sign_from_the_function() -> None:
     # Nothing turns at first: the torque, which points along -1, decides about the sign of omega1.
     def negative(gain: Any) -> Scene:
-        torque = rigid.Torque.call(in_space, -gain[:, np.newaxis], fastest=FASTEST)
-        return rigid.FreeBody(BODY, torque=torque)
+        return rigid.FreeBody(BODY, torque=called(in_space, -gain))
 
     result = rigid.stability_map(
         negative,

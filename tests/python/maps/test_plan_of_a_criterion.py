@@ -139,15 +139,11 @@ def test_rates_are_short_for_a_start() -> None:
     assert made.question == "no flip about axis 3 until t = 5 s"
 
 
-def test_a_judged_criterion_has_its_horizon() -> None:
+def test_a_judged_criterion_has_its_horizon_and_is_planned_in_the_steps_that_it_takes() -> None:
     stable = rigid.judged(lambda states: states.omega[:, -1, 2] > 0.0, [0.0, 2.0, 7.0])
-    assert rigid.plan(HEAVY, stable) == rigid.plan(HEAVY, stable, t_end=7.0)
-    assert rigid.plan(HEAVY, stable).question.endswith("until t = 7 s")
-
-
-def test_a_judged_criterion_is_planned_in_the_steps_that_it_takes() -> None:
-    stable = rigid.judged(lambda states: states.omega[:, -1, 2] > 0.0, [0.0, 7.0])
     adaptive = rigid.plan(HEAVY, stable)
+    assert adaptive == rigid.plan(HEAVY, stable, t_end=7.0)
+    assert adaptive.question.endswith("until t = 7 s")
     assert (adaptive.tolerance, adaptive.step, adaptive.steps) == (1e-7, None, None)
     equal = rigid.plan(HEAVY, stable, step=0.02)
     assert (equal.tolerance, equal.step, equal.steps) == (None, 0.02, 350)

@@ -8,7 +8,6 @@ import pytest
 import rigid
 from refusals import refuses
 from rigid import _core
-from small_maps import NAMED
 
 COM = np.array([0.3, 0.2, 0.93]) / np.linalg.norm([0.3, 0.2, 0.93])
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=COM)
@@ -253,10 +252,6 @@ def test_other_criteria_measure_no_exponent() -> None:
     assert np.isnan(found.largest_exponent).all()
     assert np.isnan(found.resolution)
     assert not found.growth.any()
-
-
-def test_all_arrays_are_saved() -> None:
-    assert {"growth", "megno", "largest_exponent"} <= set(NAMED)
 
 
 def test_the_picture_says_what_it_can_see(plain: rigid.StabilityMap) -> None:

@@ -1,21 +1,30 @@
 """Tops from mass and centre of mass, bodies as scenes: what an engineer has at hand."""
 
+from itertools import permutations
+
 import numpy as np
 import pytest
 
 import rigid
+from physics import ROUNDOFF, tensor_of_points
 from refusals import refuses
 from rigid import solids
 
 CONE = rigid.Body.cone(0.05, 0.16, mass=0.2)
 
 
-def tensor_about(masses: np.ndarray, points: np.ndarray, origin: np.ndarray) -> np.ndarray:
-    """Sum over mass points, term by term."""
-    total = np.zeros((3, 3))
-    for mass, point in zip(masses, points - origin, strict=True):
-        total += mass * (point @ point * np.eye(3) - np.outer(point, point))
-    return total
+def test_sides_belong_to_the_axes() -> None:
+    for sides in permutations((0.25, 0.08, 0.01)):
+        body = rigid.Body.box(*sides, mass=0.3)
+        a, b, c = sides
+        expected = [0.3 / 12 * (x * x + y * y) for x, y in ((b, c), (a, c), (a, b))]
+        assert body.moments == pytest.approx(expected, rel=5 * ROUNDOFF)
+        assert body.sides == sides
+        assert body.mass == 0.3
+    for axis in range(3):
+        square = np.roll((1.0, 2.0, 2.0), axis)
+        assert rigid.Body.box(*square).symmetry_axis == axis + 1
+    assert rigid.Body.box(1.0, 2.0, 3.0).symmetry_axis is None
 
 
 def test_a_body_is_the_scene_of_a_free_body() -> None:
@@ -62,7 +71,7 @@ def test_any_pivot_of_any_body_has_the_moments_of_its_mass_points(seed: int) -> 
         rigid.inertia.point_masses(masses, points), pivot=pivot, g=g
     )
     mass, centre = masses.sum(), masses @ points / masses.sum()
-    expected = tensor_about(masses, points, pivot)
+    expected = tensor_of_points(masses, points - pivot)
     assert np.isclose(np.linalg.det(axes), 1.0, rtol=1e-13)
     size = np.abs(expected).max()
     assert np.allclose(axes @ np.diag(top.body.moments) @ axes.T, expected, atol=1e-14 * size)

@@ -13,7 +13,6 @@ from scipy.integrate import solve_ivp
 import rigid
 from physics import present
 from refusals import refuses
-from rigid.model import compiling
 
 pytestmark = pytest.mark.filterwarnings("ignore:event = ")
 
@@ -43,18 +42,19 @@ SCENES = {
 }
 
 
-@pytest.fixture(params=["numba", "Python"])
-def callers(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
-    """Functions are compiled, or Python is called."""
-    if request.param == "numba":
-        pytest.importorskip("numba")
-    else:
-        monkeypatch.setattr(compiling, "_compiled", refused)
-    return str(request.param)
+def spin(t: float, omega: Any, attitude: Any) -> float:
+    third: float = omega[2]
+    return third
 
 
-def refused(*given: Any) -> Any:
-    raise ValueError("no compiler")
+def speed(t: float, omega: Any, attitude: Any) -> float:
+    size: float = (omega[0] ** 2 + omega[1] ** 2 + omega[2] ** 2) ** 0.5
+    return size
+
+
+def vertical(t: float, omega: Any, attitude: Any) -> float:
+    first: float = 2.0 * (attitude[1] * attitude[3] - attitude[0] * attitude[2])
+    return first
 
 
 def found(scene: Any, *events: rigid.Event, **asked: Any) -> list[rigid.Events]:
@@ -72,16 +72,7 @@ def same(of_function: rigid.Events, named: rigid.Events, scale: float = 1.0) -> 
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_a_quantity_with_a_name_happens_when_its_function_says(name: str, callers: str) -> None:
-    def spin(t, omega, attitude):  # type: ignore[no-untyped-def]
-        return omega[2]
-
-    def speed(t, omega, attitude):  # type: ignore[no-untyped-def]
-        return (omega[0] ** 2 + omega[1] ** 2 + omega[2] ** 2) ** 0.5
-
-    def vertical(t, omega, attitude):  # type: ignore[no-untyped-def]
-        return 2.0 * (attitude[1] * attitude[3] - attitude[0] * attitude[2])
-
+def test_a_quantity_with_a_name_happens_when_its_function_says(name: str, way: str) -> None:
     scene = SCENES[name]
     states = rigid.simulate(scene, OMEGA, ATTITUDE, t=np.linspace(0.0, UNTIL, 500))
     level = float(np.median(np.linalg.norm(states.omega, axis=-1)))
@@ -99,7 +90,7 @@ def test_a_quantity_with_a_name_happens_when_its_function_says(name: str, caller
     assert met >= 2
 
 
-def test_the_state_of_a_function_is_seen_by_another(callers: str) -> None:
+def test_the_state_of_a_function_is_seen_by_another(way: str) -> None:
     def wheel(t, omega, attitude, states):  # type: ignore[no-untyped-def]
         return 2.0 * states[0] - 0.1
 
@@ -124,7 +115,7 @@ def test_a_body_is_as_far_as_the_semi_major_axis_when_keplers_equation_says() ->
     assert event.direction.tolist() == [1, -1] * 3 + [1] * (len(event) - 6)
 
 
-def test_a_quantity_without_a_name_crosses_as_by_scipy(callers: str) -> None:
+def test_a_quantity_without_a_name_crosses_as_by_scipy(way: str) -> None:
     """The power of weight on an asymmetric top, less a ramp in time: no event of the library."""
     mgl, com, moments = 1.2, np.array([0.6, 0.0, 0.8]), np.array(BODY.moments)
 
@@ -245,9 +236,6 @@ def test_what_a_function_raises_is_raised_and_no_number_ends_the_body() -> None:
 
 
 def test_files_keep_events_but_no_function(tmp_path: Path) -> None:
-    def spin(t, omega, attitude):  # type: ignore[no-untyped-def]
-        return omega[2]
-
     run = rigid.simulate(SCENES["top"], OMEGA, ATTITUDE, t=[UNTIL], events=rigid.crosses(spin, 0.2))
     again = rigid.load_run(run.save(tmp_path / "run.npz"))
     event = again.events[0].event
@@ -265,26 +253,22 @@ def no_place(t: float, omega: Any, attitude: Any, orbit_position: Any) -> float:
     return float(orbit_position[0])
 
 
-def spins(t: float, omega: Any, attitude: Any) -> float:
-    return float(omega[2])
-
-
 test_what_no_function_can_be_is_refused = refuses(
     [
         (lambda: rigid.crosses(lambda t: t), TypeError, r"must take \(t, omega, attitude\), or"),
         (lambda: rigid.crosses(len, 1.0), TypeError, "must take"),
-        (lambda: rigid.crosses(spins, axis=1), ValueError, "axis = 1: belongs to pointing"),
-        (lambda: rigid.crosses(spins, omega=[1, 0, 0]), ValueError, "leave the name out"),
-        (lambda: rigid.crosses(spins, np.inf), ValueError, "value = inf"),
+        (lambda: rigid.crosses(spin, axis=1), ValueError, "axis = 1: belongs to pointing"),
+        (lambda: rigid.crosses(spin, omega=[1, 0, 0]), ValueError, "leave the name out"),
+        (lambda: rigid.crosses(spin, np.inf), ValueError, "value = inf"),
         (
-            lambda: rigid.turns(cast(Any, spins)),
+            lambda: rigid.turns(cast(Any, spin)),
             ValueError,
             "has no known rate; let rigid.crosses find",
         ),
         (lambda: found(SCENES["top"], rigid.crosses(no_state)), ValueError, "states: no_state"),
         (lambda: found(SCENES["top"], rigid.crosses(no_place)), ValueError, "no orbit"),
         (
-            lambda: found(SCENES["top"], rigid.crosses(spins), frame=np.eye(3)),
+            lambda: found(SCENES["top"], rigid.crosses(spin), frame=np.eye(3)),
             ValueError,
             "frame: the function of an event is told principal axes",
         ),

@@ -12,6 +12,7 @@ from scipy.special import ellipk, ellipkinc
 import quad_motion
 import rigid
 from physics import METHODS, Floats, present
+from refusals import refuses
 from rigid.rotations import euler_to_quaternion, quaternion_to_matrix
 
 MOMENTS = (1.0, 2.0, 3.0)
@@ -97,18 +98,6 @@ def test_a_pair_of_crossings_inside_a_step_is_seen(method: str) -> None:
         error = 1e-15 / np.sqrt(below)
         np.testing.assert_allclose(found.t, expected, rtol=0.0, atol=10.0 * error)
         assert not found.grazing.any()
-
-
-def test_an_event_of_a_vector_is_that_of_the_quantity() -> None:
-    found = [
-        rigid.simulate(BOX, [0.3, 1.0, 0.2], t=[60.0], events=event).events[0]
-        for event in (
-            rigid.crosses("omega3", 0.1),
-            rigid.crosses(omega=(0.0, 0.0, 1.0), value=0.1),
-        )
-    ]
-    assert len(found[0].t) > 3
-    np.testing.assert_array_equal(found[0].t, found[1].t)
 
 
 @pytest.mark.parametrize("method", ["exact", "taylor20"])
@@ -243,7 +232,9 @@ def test_events_change_no_bit_of_the_states() -> None:
         np.testing.assert_array_equal(watched.end, 10.0)
         # An event that is watched with others has the bits of one that is watched alone.
         alone = rigid.simulate(scene, STARTS, TILTED, t=times, method=method, events=events[1])
-        np.testing.assert_array_equal(alone.events[0].t, watched.events[1].t)
+        for name in ("t", "slope", "error"):
+            one, other = alone.events[0], watched.events[1]
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name), name)
         first = watched.events[0]
         np.testing.assert_array_equal(np.repeat(np.arange(70), first.count), first.body)
 
@@ -339,6 +330,26 @@ def test_events_of_a_body_beside_its_separatrix_are_kept_by_the_closed_form() ->
     np.testing.assert_allclose(run.events[0].t, expected, rtol=1e-12)
 
 
+def test_the_stated_error_of_a_turn_covers_the_distance_from_a_sharp_run() -> None:
+    """Inside loose steps a rate errs more than the states do."""
+    scene = rigid.FreeBody(ASYMMETRIC.body, orbit=rigid.Orbit(0.7))
+    rng = np.random.default_rng(5)
+    omega, attitude = rng.normal(size=(20, 3)), rng.normal(size=(20, 4))
+    watched = [rigid.turns("speed"), rigid.turns("pitch", axes=(1, 3)), rigid.turns("L1")]
+    loose, sharp = (
+        rigid.simulate(
+            scene, omega, attitude, t=[40.0], events=watched, method="taylor20", tolerance=size
+        ).events
+        for size in (1e-9, 1e-17)
+    )
+    for one, other in zip(loose, sharp, strict=True):
+        off = np.abs(one.t - other.t)
+        assert len(off) > 600
+        assert (off <= one.error + other.error).all()
+        # Three times the difference of two runs, the largest until then.
+        assert np.quantile(one.error[off > 0.0] / off[off > 0.0], 0.1) < 20.0
+
+
 def test_events_are_saved_with_their_run(tmp_path: Path) -> None:
     run = rigid.simulate(
         BOX,
@@ -425,67 +436,60 @@ def simulated(**options: Any) -> Callable[[], object]:
 
 ZERO = rigid.crosses("omega1")
 
-REFUSED: dict[str, tuple[Callable[[], object], str]] = {
-    "unknown name": (
-        lambda: rigid.crosses("omega4"),
-        "name = 'omega4': did you mean 'omega3'. must be one of 'omega1'",
-    ),
-    "no name": (rigid.turns, "name: give the name of a quantity, or the vectors of one"),
-    "name beside vectors": (
-        lambda: rigid.crosses("omega1", gamma=(0, 0, 1)),
-        "name = 'omega1': leave the name out beside omega, gamma, momentum",
-    ),
-    "no quantity": (
-        lambda: rigid.turns(momentum=(0, 0, 0)),
-        "omega, gamma, momentum: all are zero",
-    ),
-    "direction": (lambda: rigid.crosses("omega1", 0.0, 2), "direction = 2: must be 1, -1 or 0"),
-    "direction of a turn": (lambda: rigid.turns("omega1", True), "direction = True: must be 1"),
-    "value": (lambda: rigid.crosses("omega1", np.nan), "value = nan: must be finite"),
-    "out of reach": (lambda: rigid.crosses("gamma2", 1.0), "value = 1.0: never crossed; along"),
-    "tilt": (lambda: rigid.crosses("tilt1", 3.2), "value = 3.2: never crossed; a tilt lies bet"),
-    "count without events": (simulated(count=2), "count = 2: needs events or until"),
-    "count": (simulated(until=ZERO, count=0), "count = 0: must be at least"),
-    "many events": (simulated(events=[ZERO] * 33), "events: 33 of them; a run watches 32 at most"),
-    "backward": (simulated(events=ZERO, t=[-1.0, 1.0]), "t = -1: events are found forward"),
-    "time outside": (lambda: RUN.at([1.5]), "t = 1.5: must be inside the run, which is from t = 0"),
-    "time just outside": (
-        lambda: RUN.at([1.0 + 1e-9]),
-        "t = 1.000000001: must be inside the run, which is from t = 0.0 to 1.0",
-    ),
-    "time of one outside": (lambda: PAIR.at([[0.5], [-0.5]]), "t = -0.5: must be inside the run"),
-    "time not finite": (lambda: RUN.at([np.nan]), r"t[0] = nan: must be finite"),
-    "times of other bodies": (
-        lambda: PAIR.at(np.zeros((3, 1))),
-        "t: expected shape (k,) or (2, 'k') for bodies of shape (2,), got (3, 1)",
-    ),
-}
-
-
-@pytest.mark.parametrize("name", REFUSED)
-def test_refused(name: str) -> None:
-    call, words = REFUSED[name]
-    with pytest.raises(
-        ValueError,
-        match="^"
-        + words.replace("(", r"\(").replace(")", r"\)").replace("[", r"\[").replace("]", r"\]"),
-    ):
-        call()
-
-
-@pytest.mark.parametrize("argument", ["events", "until"])
-def test_what_is_no_event_is_refused(argument: str) -> None:
-    for wrong in ("omega1", 3, [ZERO, "omega1"], [abs]):
-        with pytest.raises(TypeError, match=rf"^{argument} = .*: must be made by rigid\.crosses"):
-            simulated(**{argument: wrong})()
-
-
-@pytest.mark.parametrize("method", OTHERS)
-def test_a_method_that_has_no_events_names_those_that_have(method: str) -> None:
-    with pytest.raises(
-        ValueError, match=rf"^method = '{method}': has no events.*'exact', 'taylor12'"
-    ):
-        simulated(method=method, events=ZERO)()
+test_refused = refuses(
+    [
+        (
+            lambda: rigid.crosses("omega4"),
+            "name = 'omega4': did you mean 'omega3'. must be one of 'omega1'",
+        ),
+        (rigid.turns, "name: give the name of a quantity, or the vectors of one"),
+        (
+            lambda: rigid.crosses("omega1", gamma=(0, 0, 1)),
+            "name = 'omega1': leave the name out beside omega, gamma, momentum",
+        ),
+        (
+            lambda: rigid.turns(momentum=(0, 0, 0)),
+            "omega, gamma, momentum: all are zero",
+        ),
+        (lambda: rigid.crosses("omega1", 0.0, 2), "direction = 2: must be 1, -1 or 0"),
+        (lambda: rigid.turns("omega1", True), "direction = True: must be 1"),
+        (lambda: rigid.crosses("omega1", np.nan), "value = nan: must be finite"),
+        (lambda: rigid.crosses("gamma2", 1.0), "value = 1.0: never crossed; along"),
+        (lambda: rigid.crosses("tilt1", 3.2), "value = 3.2: never crossed; a tilt lies bet"),
+        (simulated(count=2), "count = 2: needs events or until"),
+        (simulated(until=ZERO, count=0), "count = 0: must be at least"),
+        (simulated(events=[ZERO] * 33), "events: 33 of them; a run watches 32 at most"),
+        (simulated(events=ZERO, t=[-1.0, 1.0]), "t = -1: events are found forward"),
+        (lambda: RUN.at([1.5]), "t = 1.5: must be inside the run, which is from t = 0"),
+        (
+            lambda: RUN.at([1.0 + 1e-9]),
+            "t = 1.000000001: must be inside the run, which is from t = 0.0 to 1.0",
+        ),
+        (lambda: PAIR.at([[0.5], [-0.5]]), "t = -0.5: must be inside the run"),
+        (lambda: RUN.at([np.nan]), "t[0] = nan: must be finite"),
+        (
+            lambda: PAIR.at(np.zeros((3, 1))),
+            "t: expected shape (k,) or (2, 'k') for bodies of shape (2,), got (3, 1)",
+        ),
+        *(
+            (
+                simulated(**{argument: wrong}),
+                TypeError,
+                [f"{argument} = ", "must be made by rigid"],
+            )
+            for argument in ("events", "until")
+            for wrong in ("omega1", 3, [ZERO, "omega1"], [abs])
+        ),
+        *(
+            (
+                simulated(method=method, events=ZERO),
+                [f"method = '{method}': has no events", "'exact', 'taylor12'"],
+            )
+            for method in OTHERS
+        ),
+    ],
+    literal=True,
+)
 
 
 def test_events_in_the_axes_of_a_drawing_are_those_of_its_components() -> None:

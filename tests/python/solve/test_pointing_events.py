@@ -4,6 +4,7 @@ Truths: events of SciPy's integration of the equations of motion, which are writ
 here, and closed forms.
 """
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -23,10 +24,14 @@ UNTIL = 12.0
 LATE = 1e-10
 """SciPy's states at a tolerance of 1e-13 are good to some 1e-12 here, and slopes exceed 2e-2."""
 
+SOON = 1e-7
+"""After a crossing the quantity has moved by more than its error, and is far from a turn."""
+
 IN_SPACE = np.array([1.0, 2.0, -0.5])
 ANGLES = ("roll", "pitch", "yaw")
 
 
+@cache
 def frame_of(orbit: rigid.Orbit, t: float) -> Floats:
     """The columns radial, along and normal, from the place alone."""
     place = place_on_orbit(orbit, t)
@@ -61,15 +66,10 @@ def true_events(
     scene = rigid.FreeBody(rigid.Body(BODY), orbit=orbit)
     called = None if torque is None else lambda t, omega, _: torque(t, omega)
 
-    def function(event: rigid.Event, rising: int) -> Any:
-        def value(t: float, y: Floats) -> float:
-            # The leap of an angle from pi to -pi is none of a sine.
-            return float(np.sin(quantity(event, orbit, t, y[3:].reshape(3, 3))))
+    def function(event: rigid.Event) -> Any:
+        # The leap of an angle from pi to -pi is none of a sine.
+        return lambda t, y: float(np.sin(quantity(event, orbit, t, y[3:].reshape(3, 3))))
 
-        value.direction = rising  # type: ignore[attr-defined]
-        return value
-
-    functions = [function(event, rising) for event in events for rising in (1, -1)]
     found = solve_ivp(
         printed(scene, called),
         (0.0, UNTIL),
@@ -78,17 +78,21 @@ def true_events(
         rtol=1e-13,
         atol=1e-15,
         max_step=0.05,
-        events=functions,
+        events=[function(event) for event in events],
+        dense_output=True,
     )
-    both = []
-    for k, event in enumerate(events):
-        times = []
-        for rising, j in ((1, 2 * k), (-1, 2 * k + 1)):
-            for t, y in zip(found.t_events[j], found.y_events[j], strict=True):
-                if np.cos(quantity(event, orbit, t, y[3:].reshape(3, 3))) > 0.0:
-                    times.append((float(t), rising))
-        both.append(sorted(times))
-    return both
+    every = []
+    for event, times, states in zip(events, found.t_events, found.y_events, strict=True):
+        # Of the zeros of the sine those of the angle; it rises where it is positive soon after.
+        zeros = [
+            float(t)
+            for t, y in zip(times, states, strict=True)
+            if np.cos(quantity(event, orbit, t, y[3:].reshape(3, 3))) > 0.0
+        ]
+        after = ((t + SOON, found.sol(t + SOON)[3:].reshape(3, 3)) for t in zeros)
+        ways = [1 if quantity(event, orbit, *state) > 0.0 else -1 for state in after]
+        every.append(list(zip(zeros, ways, strict=True)))
+    return every
 
 
 def damp(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:

@@ -8,7 +8,7 @@ from scipy.integrate import quad
 from scipy.special import ellipk
 
 import rigid
-from physics import Floats, present, rotation_matrix, tilted
+from physics import Floats, present, rotation_matrix, slope, tilted
 from rigid import exact, top
 from trial_tops import (
     I1,
@@ -286,9 +286,9 @@ def test_the_fast_top_of_either_kind() -> None:
     found = top.fast_top_approx(TOP, 1.0, 5.0, precession=pushes, t=np.linspace(0, 5, 501))
     assert np.array(found.kind).tolist() == kinds
     np.testing.assert_allclose(present(found.phi_rate)[:, 0], pushes, atol=1e-15)
-    slope = np.gradient(present(found.phi), 0.01, axis=1)[:, 1:-1]
+    change = np.gradient(present(found.phi), 0.01, axis=1)[:, 1:-1]
     # Differences of second order: (2.5 * 0.01)² / 6 of 0.6 rad/s.
-    np.testing.assert_allclose(slope, present(found.phi_rate)[:, 1:-1], atol=1e-4)
+    np.testing.assert_allclose(change, present(found.phi_rate)[:, 1:-1], atol=1e-4)
     least = present(found.phi_rate).min(axis=1)
     # phi' changes its sign in loops only; a start with twice the mean touches zero on the lower.
     assert (least[[0, 1, 6]] > 0.0).all()
@@ -311,9 +311,7 @@ def test_the_equation_of_precession() -> None:
     step = 1e-3
     t = np.arange(0.5, 12.0, 0.5)[:, None] + step * np.arange(-2, 3)
     theta, precession, nodding, _ = (row.reshape(-1, 5) for row in euler(OTHER, start, t.ravel()))
-    change = (precession[:, 0] - 8 * precession[:, 1] + 8 * precession[:, 3] - precession[:, 4]) / (
-        12 * step
-    )
+    change = slope(precession.T, step)
     th, ph, no = theta[:, 2], precession[:, 2], nodding[:, 2]
     left = I1 * np.sin(th) * change
     np.testing.assert_allclose(left, I3 * SPIN * no - 2 * I1 * np.cos(th) * no * ph, atol=1e-9)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rigid
-from physics import ROUNDOFF, golden_number, present, rotation_matrix, tilted
+from physics import ROUNDOFF, golden_number, present, rotation_matrix, slope, tilted
 from refusals import refuses
 from rigid import exact, free, top
 from trial_tops import (
@@ -188,11 +188,9 @@ def test_the_effective_potential() -> None:
     np.testing.assert_allclose(0.5 * I1 * nodding**2 + potential.value, level, rtol=1e-13)
     # The slope is the derivative, and the force of the nutation.
     step = 1e-3
-    around = [
-        top.effective_potential(OTHER, theta + n * step, a=a, b=b).value for n in (-2, -1, 1, 2)
-    ]
-    slope = (around[0] - 8 * around[1] + 8 * around[2] - around[3]) / (12 * step)
-    np.testing.assert_allclose(potential.slope, slope, atol=1e-9)
+    around = theta + step * np.arange(-2, 3)[:, np.newaxis]
+    values = top.effective_potential(OTHER, around, a=a, b=b).value
+    np.testing.assert_allclose(potential.slope, slope(values, step), atol=1e-9)
     turning = top.turning_angles(OTHER, a=a, b=b, E_prime=level)
     at = top.effective_potential(OTHER, np.array(turning), a=a, b=b).value
     np.testing.assert_allclose(at, level, rtol=1e-14)
@@ -211,9 +209,9 @@ def test_the_potential_has_one_minimum_between_two_walls() -> None:
     inside = (lowest > 0.011) & (lowest < np.pi - 0.011)
     assert inside.mean() > 0.9
     np.testing.assert_allclose(lowest[inside], theta[value.argmin(axis=1)][inside], atol=2e-3)
-    slope = top.effective_potential(OTHER, lowest, a=a[:, 0], b=b[:, 0]).slope
+    left = top.effective_potential(OTHER, lowest, a=a[:, 0], b=b[:, 0]).slope
     # In units of the terms that cancel: I1 b² and mgl.
-    assert (np.abs(slope[inside]) < 1e-12 * (I1 * b[inside, 0] ** 2 + MGL + 20.0)).all()
+    assert (np.abs(left[inside]) < 1e-12 * (I1 * b[inside, 0] ** 2 + MGL + 20.0)).all()
 
 
 def test_ends_of_the_potential() -> None:
@@ -270,8 +268,8 @@ def test_steady_precession_is_the_minimum_and_lasts(tilt: float) -> None:
         start = state(tilt, float(rate), 0.0, 9.0)
         constants = four(OTHER, *start)
         a, b = constants["a"], constants["b"]
-        slope = top.effective_potential(OTHER, tilt, a=a, b=b).slope
-        assert abs(slope) < 1e-13 * I1 * rate**2 + 1e-13 * MGL
+        left = top.effective_potential(OTHER, tilt, a=a, b=b).slope
+        assert abs(left) < 1e-13 * I1 * rate**2 + 1e-13 * MGL
         assert top.effective_minimum(OTHER, a=a, b=b) == pytest.approx(tilt, rel=1e-13)
         path = top.locus(OTHER, *start, t=np.linspace(0.0, 1000.0, 1001))
         # A double root to the square root of rounding.
@@ -424,7 +422,7 @@ def test_the_torque_of_the_weight() -> None:
     step = 1e-3
     times = step * np.arange(-2, 3)
     run = rigid.simulate(OTHER, *state(TILT, PUSH, NOD, SPIN), t=times)
-    change = (run.omega[0] - 8 * run.omega[1] + 8 * run.omega[3] - run.omega[4]) / (12 * step)
+    change = slope(run.omega, step)
     torque = top.gravity_torque(OTHER, present(run.attitude)[2])
     np.testing.assert_allclose(free.euler_rhs(OTHER.body, run.omega[2], torque), change, atol=1e-9)
 

@@ -8,7 +8,7 @@ const ORDER = 24;
 
 // Where the numbers of a body stand in its row, and how many there are; rigid/maps/page.py writes them in this order. An orbit
 // has its mean motion (0 without an orbit), the eccentricity, the mean anomaly at time 0, and both semi-axes.
-const NUMBERS = {moments: 3, weight: 3, damping: 9, torque: 3, torqueInSpace: 3, sink: 3, rotor: 3, drag: 3, orbit: 9};
+const NUMBERS = {moments: 3, weight: 3, damping: 9, torque: 3, torqueInSpace: 3, orbit: 9, dissipation: 3, rotor: 3, drag: 3};
 const WIDTH = Object.values(NUMBERS).reduce((sum, count) => sum + count);
 
 function named(numbers) {
@@ -35,7 +35,7 @@ function placeOf(orbit, time) {
 
 // The states at ascending times from 0.
 function motionOf(numbers, omega, attitude, times) {
-  const {moments, weight: c, damping: D, torque: m, torqueInSpace, sink: P, rotor: h, drag: C, orbit} = named(numbers);
+  const {moments, weight: c, damping: D, torque: m, torqueInSpace, orbit, dissipation: P, rotor: h, drag: C} = named(numbers);
   const acts = array => array.some(x => x !== 0), [hasWeight, hasSpace, hasSink, hasDrag] = [c, torqueInSpace, P, C].map(acts);
   const I = moments.map(x => x || Math.max(...moments));  // a rod moves as a sphere
   const [rate, eccentricity] = orbit, hasOrbit = rate > 0, bend = eccentricity > 1 ? 1 : -1, strength = 3 * rate * rate;

@@ -70,7 +70,7 @@ function filmOf(map, numbers, strip, {t, omega, attitude}, speed) {
   const {inks} = map, body = named(numbers), {moments, weight, orbit} = body;
   const isTop = size(weight) > 0, hasOrbit = orbit[0] > 0, isFree = numbers.slice(3).every(x => x === 0);
   // A rotor and an energy sink leave the angular momentum at rest.
-  const keepsMomentum = Object.entries(body).every(([name, values]) => ["moments", "rotor", "sink"].includes(name) || values.every(x => x === 0));
+  const keepsMomentum = Object.entries(body).every(([name, values]) => ["moments", "rotor", "dissipation"].includes(name) || values.every(x => x === 0));
   const momentum = omega.map((w, k) => turned(attitude[k], momentumOf(body, w)));
   const rates = omega.map((w, k) => turned(attitude[k], w));
   const longest = vectors => vectors.reduce((most, v) => Math.max(most, size(v)), 0) || 1;
