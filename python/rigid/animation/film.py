@@ -516,7 +516,7 @@ def _vectors(one: Recording, momentum: Floats, *, length: float) -> tuple[Part, 
 
 
 def _of_length(length: float, vectors: Floats) -> Floats:
-    """The vectors with the longest of them of this length; those of a body at rest stay zero."""
+    """The vectors with the longest of them of this length; zero vectors stay zero."""
     longest = float(np.linalg.norm(vectors, axis=-1).max())
     return vectors if longest == 0.0 else length / longest * vectors
 

@@ -498,7 +498,7 @@ impl<'a> SectionJob<'a> {
             own.status = Status::StepLimit;
             return Ok(self.leave(lane));
         }
-        Ok(self.go_on(lane, task, end))
+        Ok(self.go_on(lane, task))
     }
 
     /// Writes what is zero on the surfaces at the known points of the last step of a lane. Whether its body moves on.
@@ -522,12 +522,13 @@ impl<'a> SectionJob<'a> {
         if task.next == points.len() || !now.is_finite() || task.steps >= self.request.max_steps {
             return self.leave(lane);
         }
-        self.go_on(lane, *task, points[points.len() - 1].time)
+        self.go_on(lane, *task)
     }
 
     /// Aims at the end of a body under the forces of its next step.
-    fn go_on(&mut self, lane: usize, task: Task, end: f64) -> bool {
-        if self.lanes.pass_knot(lane, self.block.start + task.body, false) {
+    fn go_on(&mut self, lane: usize, task: Task) -> bool {
+        let index = self.block.start + task.body;
+        if self.lanes.pass_knot(lane, index, false) {
             for function in &mut self.functions {
                 if let Function::Surface(surface) = function {
                     // The torque may jump there, and the slope with it.
@@ -535,7 +536,7 @@ impl<'a> SectionJob<'a> {
                 }
             }
         }
-        self.lanes.aim(lane, end, false);
+        self.lanes.aim(lane, self.request.range_of(index)[1], false);
         true
     }
 

@@ -19,7 +19,7 @@ from scipy.integrate import solve_ivp
 
 import rigid
 from interrupts import sigint
-from physics import rotation_angle
+from physics import present, rotation_angle
 from refusals import refuses
 
 METHODS = [method.name for method in rigid.methods() if "function" in method.forces]
@@ -339,7 +339,7 @@ TURNED = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 UNDER = rigid.Torque.call(damping, [0.1] * 3)
 
 
-def asked(**options: Any) -> Callable[[], object]:
+def asked(**options: Any) -> Callable[[], Any]:
     return lambda: rigid.simulate(top(torque=UNDER), OMEGA, **{"t": [0.0, 0.5, 1.0], **options})
 
 
@@ -451,7 +451,7 @@ def test_a_tolerance_tells_the_error_that_the_run_states(called: Any, twin: Any)
         run = rigid.simulate(called, OMEGA, TILTED, t=TIMES, method="dop853", tolerance=tolerance)
         off = max(
             np.linalg.norm(run.omega - truth.omega, axis=-1).max() / fastest,
-            rotation_angle(run.attitude, truth.attitude).max(),
+            rotation_angle(present(run.attitude), present(truth.attitude)).max(),
         )
         assert off <= float(run.error) + float(truth.error)
         # Some twenty steps err by the tolerance each at most; three times the difference is stated.

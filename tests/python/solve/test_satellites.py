@@ -398,7 +398,7 @@ test_bad_numbers_are_refused = refuses(
             for scene in SCENES.values()
         ),
         (
-            partial(rigid.FreeBody, BODY, dissipation=0.1),
+            lambda: rigid.FreeBody(BODY, dissipation=0.1),  # type: ignore[arg-type]
             TypeError,
             "must be a rigid.EnergySink",
         ),
