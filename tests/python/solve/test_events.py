@@ -440,7 +440,7 @@ test_refused = refuses(
     [
         (
             lambda: rigid.crosses("omega4"),
-            "name = 'omega4': did you mean 'omega3'. must be one of 'omega1'",
+            "name = 'omega4': did you mean 'omega3'? must be one of 'omega1'",
         ),
         (rigid.turns, "name: give the name of a quantity, or the vectors of one"),
         (
