@@ -666,7 +666,7 @@ impl Job for SectionJob<'_> {
             if let Function::Surface(surface) = function
                 && !self.again
             {
-                surface.expand(0..LANES, &self.lanes.group, &self.lanes.steps);
+                surface.expand(&self.lanes.group, &self.lanes.steps);
             }
         }
         Ok(())

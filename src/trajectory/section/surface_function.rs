@@ -4,10 +4,9 @@ use super::{NEAR, NOISE, Pointing, Polynomial, Side, Surface, SurfaceKind, TERMS
 use crate::body::{Body, VERTICAL};
 use crate::forces::{BodyForces, MOST_STATES, Orbit, SMALL_STATE, conic_sign};
 use crate::inertia::moment_range;
-use crate::kernel::{AdaptiveSteps, Group, System};
+use crate::kernel::{AdaptiveSteps, Group, MAX_STATE, System};
 use crate::kinematics::{cross, length};
 use crate::simd::{LANES, Row, set_lane};
-use std::ops::Range;
 
 impl SurfaceKind {
     /// The scale of the left side of a surface of this kind, without its value; `rate` bounds the rates of the body.
@@ -116,19 +115,17 @@ impl SurfaceFunction {
         }
     }
 
-    /// The polynomials of the last step of some lanes. Without fused products, which this code has no instructions for. In
-    /// line: the loops over all lanes have a known length.
-    #[inline(always)]
-    pub fn expand(&mut self, lanes: Range<usize>, group: &Group, adaptive: &AdaptiveSteps) {
+    /// The polynomials of the last step. Without fused products, which this code has no instructions for.
+    pub fn expand(&mut self, group: &Group, adaptive: &AdaptiveSteps) {
         let of_rate = self.kind.of_rate;
         let mut share = Row::ZERO;
-        for lane in lanes.clone() {
+        for lane in 0..LANES {
             share.0[lane] = group.step.0[lane] / adaptive.unit.0[lane];
             self.rest.0[lane] = 0.0;
             self.end_slope.0[lane] = 0.0;
             self.unit.0[lane] = if of_rate { adaptive.unit.0[lane] } else { 1.0 };
         }
-        let is_used = |row: &Row| lanes.clone().any(|lane| row.0[lane] != 0.0);
+        let is_used = |row: &Row| row.0 != [0.0; LANES];
         let (normal, states) = (self.normal.each_ref().map(is_used), self.states.each_ref().map(is_used));
         let of_momentum = self.momentum.iter().any(is_used).then(|| self.along_momentum(group, adaptive));
         let of_speed = is_used(&self.square).then(|| self.along_square(adaptive));
@@ -139,7 +136,7 @@ impl SurfaceFunction {
             let of_state = k + usize::from(of_rate);
             let mut sum = of_momentum.as_ref().map_or([0.0; LANES], |powers| powers[of_state].0);
             for powers in [&of_speed, &of_pointing].into_iter().flatten() {
-                for lane in lanes.clone() {
+                for lane in 0..LANES {
                     sum[lane] += powers[of_state].0[lane];
                 }
             }
@@ -151,13 +148,13 @@ impl SurfaceFunction {
                     _ => continue,
                 };
                 let factor = &self.normal[d].0;
-                for lane in lanes.clone() {
+                for lane in 0..LANES {
                     sum[lane] += factor[lane] * power[lane];
                 }
             }
             if let (Some(at), Some(rows)) = (self.system.states_at, known) {
                 for d in (0..MOST_STATES).filter(|&d| states[d]) {
-                    for lane in lanes.clone() {
+                    for lane in 0..LANES {
                         sum[lane] += self.states[d].0[lane] * rows[at + d].0[lane];
                     }
                 }
@@ -165,11 +162,11 @@ impl SurfaceFunction {
             if of_rate {
                 sum.iter_mut().for_each(|x| *x *= of_state as f64);
             } else if k == 0 {
-                for lane in lanes.clone() {
+                for lane in 0..LANES {
                     sum[lane] -= self.value.0[lane];
                 }
             }
-            for lane in lanes.clone() {
+            for lane in 0..LANES {
                 let term = sum[lane] * scale.0[lane];
                 self.powers[k].0[lane] = term;
                 if k > 0 {
@@ -427,11 +424,11 @@ impl SurfaceFunction {
         (last, here): (&AdaptiveSteps, &mut AdaptiveSteps),
     ) -> f64 {
         here.unit.0[lane] = last.unit.0[lane];
-        for d in 0..self.system.len {
+        for d in 0..MAX_STATE {
             let polynomial = Polynomial { powers: &powers_of(last, d, lane), noise: 0.0, near: 0.0 };
             (here.powers[0][d].0[lane], here.powers[1][d].0[lane]) = polynomial.value(units);
         }
-        self.expand(lane..lane + 1, group, here);
+        self.expand(group, here);
         // No other lane has a unit: nothing long is computed there.
         here.unit.0[lane] = 0.0;
         self.powers[0].0[lane] / self.unit.0[lane]
