@@ -4,7 +4,7 @@ use super::{NEAR, NOISE, Pointing, Polynomial, Side, Surface, SurfaceKind, TERMS
 use crate::body::{Body, VERTICAL};
 use crate::forces::{BodyForces, MOST_STATES, Orbit, SMALL_STATE, conic_sign};
 use crate::inertia::moment_range;
-use crate::kernel::{AdaptiveSteps, Group, MAX_STATE, System};
+use crate::kernel::{AdaptiveSteps, Group, System};
 use crate::kinematics::{cross, length};
 use crate::simd::{LANES, Row, set_lane};
 
@@ -424,7 +424,7 @@ impl SurfaceFunction {
         (last, here): (&AdaptiveSteps, &mut AdaptiveSteps),
     ) -> f64 {
         here.unit.0[lane] = last.unit.0[lane];
-        for d in 0..MAX_STATE {
+        for d in 0..self.system.len {
             let polynomial = Polynomial { powers: &powers_of(last, d, lane), noise: 0.0, near: 0.0 };
             (here.powers[0][d].0[lane], here.powers[1][d].0[lane]) = polynomial.value(units);
         }
