@@ -54,7 +54,7 @@ FAILED = COPY / ".pytest_cache" / "v" / "cache" / "lastfailed"
 #: Instead of a test: a run that took too much processor time.
 ENDLESS = "no end"
 
-_MAPS = ("maps/test_map_statistics.py", "maps/test_map_theory.py")
+_MAPS = ("maps/test_map_statistics.py", "maps/test_falling_top.py")
 _BITS = "contract/test_same_bits.py"
 _CLOSED = (
     "exact/test_closed_forms.py",
@@ -107,7 +107,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "_archive.py": (
         "solve/test_runs_kept.py",
         "maps/test_map_files.py",
-        "maps/test_own_scenes.py",
+        "maps/test_own_starts.py",
     ),
     "_checks/matrices.py": ("rotations", "particles", "inertia"),
     "_checks/moments.py": ("inertia", "contract/test_bad_input.py", "solve/test_rods.py"),
@@ -181,7 +181,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "maps/file.py": ("maps/test_map_files.py", "maps/test_measures.py"),
     "maps/grid.py": (
         "maps/test_map_grid.py",
-        "maps/test_own_scenes.py",
+        "maps/test_own_starts.py",
         "maps/test_map_axes.py",
         "maps/test_map_bad_input.py",
         "maps/test_every_kind.py",
@@ -189,7 +189,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "maps/judge.py": ("maps/test_judged.py", "store/test_stored_functions.py"),
     "maps/measured.py": ("maps/test_measures.py", "store/test_stored_functions.py"),
     "maps/moons.py": ("maps/test_moon_maps.py",),
-    "maps/own.py": ("maps/test_own_scenes.py",),
+    "maps/own.py": ("maps/test_own_scenes.py", "maps/test_own_starts.py"),
     "maps/page.py": ("animation/test_explorer.py", "animation/test_widget.py"),
     "maps/plan.py": ("maps/test_plan_of_a_criterion.py", "solve/test_plan.py"),
     "maps/refine.py": ("maps/test_refined_maps.py",),
@@ -221,11 +221,11 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "maps/test_map_files.py",
         "maps/test_plan_of_a_criterion.py",
         "maps/test_regular_maps.py",
-        "maps/test_moon_maps.py",
+        "maps/test_time_units.py",
         "maps/test_every_kind.py",
     ),
     "maps/summary.py": (
-        "maps/test_moon_maps.py",
+        "maps/test_time_units.py",
         "maps/test_map_statistics.py",
         "maps/test_measures.py",
         "maps/test_refined_maps.py",
@@ -233,17 +233,17 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "maps/test_map_theory.py",
         "cli/test_command_line.py",
     ),
-    "maps/theory.py": ("maps/test_map_theory.py",),
+    "maps/theory.py": ("maps/test_map_theory.py", "maps/test_falling_top.py"),
     "maps/vary.py": ("maps/test_varied_bodies.py",),
     "maps/watched.py": (
         "maps/test_criteria.py",
         "maps/test_map_again.py",
-        "maps/test_moon_maps.py",
+        "maps/test_time_units.py",
         "maps/test_map_plot.py",
         "animation/test_explorer.py",
     ),
     "maps/words.py": (
-        "maps/test_moon_maps.py",
+        "maps/test_time_units.py",
         "maps/test_regular_maps.py",
         "maps/test_map_plot.py",
     ),
@@ -356,7 +356,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "maps/test_satellite_maps.py",
     ),
     "model/time_unit.py": (
-        "maps/test_moon_maps.py",
+        "maps/test_time_units.py",
         "maps/test_satellite_maps.py",
         "maps/test_plan_of_a_criterion.py",
         "cli/test_command_line.py",
@@ -375,7 +375,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "reports/test_report.py",
         "reports/test_revolutions.py",
     ),
-    "reports/scheme.py": ("reports/test_revolutions.py", "reports/test_report.py"),
+    "reports/scheme.py": ("reports/test_own_schemes.py", "reports/test_report.py"),
     "reports/stress": ("reports/test_stress.py",),
     "rotations/": ("rotations", "contract/test_bad_input.py", "solve/test_orbit_frame.py"),
     "sections/": ("sections",),
@@ -390,7 +390,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "solve/test_times.py",
     ),
     "solve/attitude_ephemeris.py": (
-        "solve/test_attitude.py",
+        "solve/test_attitude_ephemeris.py",
         "solve/test_runs_kept.py",
     ),
     "solve/chunks.py": (

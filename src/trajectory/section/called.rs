@@ -92,8 +92,8 @@ impl Called {
     }
 
     /// Finds the wanted zeros of the last step of a lane with their slopes, by the step, NaN where the function jumps, and
-    /// `Point::share`; returns whether the function has its value all along, or `None` if it is no number. `error` is that of the state, relative to
-    /// its scale.
+    /// `Point::share`; returns whether the function has its value all along, or `None` if it is no number. `error` is that
+    /// of the state, relative to its scale.
     pub fn zeros(
         &mut self,
         lane: usize,
