@@ -372,7 +372,7 @@ class Dissipation(Force[EnergySink]):
 
     def made(self, numbers: Any) -> EnergySink | None:
         """The sink with these coefficients."""
-        return self.checked(EnergySink(numbers))
+        return self.checked(EnergySink(_along(self.name, numbers, self.unit)))
 
 
 class Rotor(Force[Momentum]):

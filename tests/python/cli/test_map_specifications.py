@@ -430,6 +430,8 @@ def complaint(text: str, file: str = "box.toml") -> str:
         ('name = "noise"', 'name = "b"', "[y] name = 'b': the axis [x] has this name"),
         ('name = "b"', 'name = "mgl"', "axes: 'mgl' does not apply: a free body feels no weight"),
         ("count = 4", "count = 4\nvalues = [1.0]", "[x] unknown key 'from'"),
+        ("mass = 0.3", "mass = 0.3\ndissipation = {}", "[scene] dissipation = {}: must be real"),
+        ("mass = 0.3", "mass = 0.3\ndissipation = -1", "[scene] dissipation = -1.0: must not be"),
         (
             '{ kind = "normal" }',
             '{ kind = "normal", size = 3.0 }',
