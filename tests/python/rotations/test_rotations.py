@@ -485,6 +485,20 @@ def test_attitudes_of_a_record_with_long_intervals_are_within_their_error(
         assert error <= path.error < 20.0 * error
 
 
+@pytest.mark.parametrize("n", [4, 5])
+def test_attitudes_of_a_few_samples_with_a_gap_are_within_their_error(n: int) -> None:
+    """Every second of five samples is a parabola, which may pass the gap as the cubic does."""
+    rng = np.random.default_rng(2026)
+    for _ in range(40):
+        gaps = rng.uniform(0.05, 0.3, size=n - 1)
+        gaps[rng.integers(n - 1)] *= rng.uniform(2.0, 8.0)
+        t = np.concatenate([[0.0], np.cumsum(gaps)]) + rng.uniform(0.0, 3.0)
+        path = rotations.attitude_from_samples(prescribed(t), t, tolerance=1e-12)
+        truth = rotations.attitude_from_omega(prescribed, t, tolerance=1e-12)
+        error = float(rotation_angle(path.attitude, truth.attitude).max())
+        assert error <= path.error < 200.0 * error
+
+
 def test_sampled_rates_of_many_bodies_and_of_a_polynomial() -> None:
     """A cubic is its own spline: only the steps have an error."""
     t = np.array([0.0, 0.4, 0.5, 1.1, 1.7, 2.0])
