@@ -159,6 +159,7 @@ def translating_frame(
     )
 
 
+@refuses_overflow
 def rotating_frame(
     position: ArrayLike,
     velocity: ArrayLike,
@@ -226,6 +227,7 @@ def rotating_frame(
     return PointMotion(position=arm, velocity=own, acceleration=a - dragged)
 
 
+@refuses_overflow
 def transport(vector: ArrayLike, rate: ArrayLike, omega: ArrayLike) -> Floats:
     """Rate of change of a vector, seen from space: ``dQ/dt = δQ/δt + omega × Q``.
 

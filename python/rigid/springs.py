@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, of_shape, shaped, sorted_times, vector
 from ._checks.arrays import Floats
+from ._checks.overflow import refuses_overflow
 from ._checks.quantities import plain
 from .model.body import Body
 from .model.scene import FreeBody
@@ -346,6 +347,7 @@ class PairSystem:
         return _Pulls(apart / distance[..., np.newaxis], distance, energy, tension, stiffness)
 
 
+@refuses_overflow
 def pair_system(
     masses: ArrayLike,
     positions: ArrayLike,

@@ -24,9 +24,9 @@ def refuses_overflow(function: Callable[P, R]) -> Callable[P, R]:
     @functools.wraps(function)
     def refusing(*args: P.args, **kwargs: P.kwargs) -> R:
         try:
-            with np.errstate(over="raise", invalid="raise"):
+            with np.errstate(over="raise", divide="raise", invalid="raise"):
                 return function(*args, **kwargs)
-        except FloatingPointError:
+        except (FloatingPointError, OverflowError):
             arguments = inspect.signature(function).bind(*args, **kwargs).arguments
         name = max(arguments, key=lambda name: _extent(arguments[name]))
         raise ValueError(

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import numbers, one_of, times_of_each
 from .._checks.arrays import AttitudeLike, Floats, attitudes, of_size_one, require, vectors
+from .._checks.overflow import refuses_overflow
 from ..model.batch import Shape, batch_shape
 from ..model.body_like import BodyLike, moments_of
 from ..model.frame import turned
@@ -21,6 +22,7 @@ from ..solve.run import Run
 NEXT, AFTER = [1, 2, 0], [2, 0, 1]
 
 
+@refuses_overflow
 def euler_rhs(
     body: BodyLike,
     omega: ArrayLike,
@@ -151,6 +153,7 @@ class Invariants:
         return np.asarray(np.fmax.reduce(change, axis=-1))[()]
 
 
+@refuses_overflow
 def invariants(
     motion: Run | Scene,
     omega: ArrayLike | None = None,

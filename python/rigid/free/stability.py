@@ -53,6 +53,7 @@ class PermanentRotation:
     kind: str | NDArray[np.str_]
 
 
+@refuses_overflow
 def permanent_rotation(body: BodyLike, axis: int, rate: ArrayLike = 1.0) -> PermanentRotation:
     """Stability of the rotation about a principal axis.
 
@@ -196,6 +197,7 @@ def jacobian(factors: ArrayLike, omega: ArrayLike) -> Floats:
     return matrix
 
 
+@refuses_overflow
 def local_stability(factors: ArrayLike, omega: ArrayLike) -> Floats:
     """The largest real part of the eigenvalues of :func:`jacobian`: a local indicator.
 

@@ -187,6 +187,7 @@ def rigid_motion(
     )
 
 
+@refuses_overflow
 def screw(rotation: ArrayLike, translation: ArrayLike) -> Screw:
     """The screw axis of a displacement, the angle about this axis and the shift along this axis.
 
@@ -240,6 +241,7 @@ def screw(rotation: ArrayLike, translation: ArrayLike) -> Screw:
     )
 
 
+@refuses_overflow
 def velocity_field(
     omega: ArrayLike,
     points: ArrayLike,

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import finite_float, positive_int, shaped, together
 from .._checks.arrays import Floats
+from .._checks.overflow import refuses_overflow
 from .._checks.quantities import plain
 
 Counts = NDArray[np.intp]
@@ -101,6 +102,7 @@ class Freedom:
     first_order: Counts
 
 
+@refuses_overflow
 def particle_totals(
     masses: ArrayLike,
     positions: ArrayLike,
@@ -162,6 +164,7 @@ def particle_totals(
     )
 
 
+@refuses_overflow
 def split_com(
     masses: ArrayLike,
     positions: ArrayLike,

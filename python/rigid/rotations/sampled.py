@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, finite_float, one_of, shaped, sorted_times
 from .._checks.arrays import AttitudeLike, Floats
 from .._checks.extras import install_extra
+from .._checks.overflow import refuses_overflow
 from .quaternions import conjugate, exp_quaternion, log_quaternion, quaternion_product, quaternions
 
 MOST_STEPS = 2**20
@@ -214,6 +215,7 @@ def attitude_from_omega(
     return AttitudePath(t=times, attitude=path, error=error, steps=each * intervals)
 
 
+@refuses_overflow
 def attitude_from_samples(
     omega: ArrayLike,
     t: ArrayLike,

@@ -200,6 +200,7 @@ def rotate(x: ArrayLike, axis: ArrayLike, angle: ArrayLike, *, passive: bool = F
     return vector + sine[..., None] * across + versine[..., None] * np.cross(n, across)
 
 
+@refuses_overflow
 def orthogonality_error(matrix: ArrayLike) -> Orthogonality:
     """Orthogonality error and determinant of matrices.
 

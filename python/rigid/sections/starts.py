@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from .._checks.arguments import finite_float, positive_int
 from .._checks.arrays import Floats
 from .._checks.moments import refuse_rods
+from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..model.seed import seed_from
 from .surface import Section, checked_section
@@ -22,6 +23,7 @@ LATTICE = 4096
 """Points of the sphere at which the least energy is first looked for."""
 
 
+@refuses_overflow
 def on_surface(
     top: HeavyTop,
     energy: float,

@@ -12,6 +12,7 @@ from .._checks.arguments import brief, first_place, shaped
 from .._checks.arrays import Floats
 from .._checks.matrices import rotation_matrices
 from .._checks.moments import possible_tensor, symmetric_tensor
+from .._checks.overflow import refuses_overflow
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False)
@@ -128,6 +129,7 @@ class MassProperties:
         )
 
 
+@refuses_overflow
 def inertia_tensor(
     masses: ArrayLike, points: ArrayLike, about: ArrayLike = (0.0, 0.0, 0.0)
 ) -> Floats:
@@ -168,6 +170,7 @@ def inertia_tensor(
     return tensor_of_squares(_squares(m, r - shaped("about", about, 3)[..., None, :]))
 
 
+@refuses_overflow
 def point_masses(masses: ArrayLike, points: ArrayLike) -> MassProperties:
     """Mass, centre of mass, and tensor about the centre of mass, of mass points.
 
@@ -250,6 +253,7 @@ def compose(parts: Iterable[MassProperties]) -> MassProperties:
     return MassProperties(mass=together.mass, centre=together.centre, tensor=own + together.tensor)
 
 
+@refuses_overflow
 def steiner(
     tensor: ArrayLike,
     mass: ArrayLike,

@@ -83,6 +83,7 @@ class HeavyConstants:
     beta: Floats | None
 
 
+@refuses_overflow
 def heavy_constants(scene: HeavyTop, omega: ArrayLike, attitude: AttitudeLike) -> HeavyConstants:
     """Energy and angular momenta of a heavy top, and the constants a, b, alpha, beta.
 

@@ -34,6 +34,7 @@ class SleepingTop:
     spin_min: float | Floats
 
 
+@refuses_overflow
 def sleeping_top(scene: HeavyTop, spin: ArrayLike) -> SleepingTop:
     """Whether a top with its centre of mass vertically above the fixed point stays upright.
 
@@ -175,6 +176,7 @@ class SpinDown:
     decay: float | Floats
 
 
+@refuses_overflow
 def spin_down(scene: HeavyTop, spin: ArrayLike, *, damping: ArrayLike) -> SpinDown:
     """Time (s) at which friction wakes a sleeping top.
 

@@ -11,7 +11,20 @@ import pytest
 
 import rigid
 from physics import tilted
-from rigid import earth, exact, figures, free, inertia, particles, rotations, solids, statics, top
+from rigid import (
+    earth,
+    exact,
+    figures,
+    frames,
+    free,
+    inertia,
+    particles,
+    rotations,
+    solids,
+    springs,
+    statics,
+    top,
+)
 
 BODY = rigid.Body((1.0, 1.0, 1.6))
 RATES = [0.3, 0.2, 3.0]
@@ -239,6 +252,41 @@ OVERFLOWS: dict[str, tuple[str, Callable[[], Any]]] = {
     "effective potential": ("b", lambda: top.effective_potential(TOP, 1.0, a=1.0, b=HUGE)),
     "ellipticity": ("polar_radius", lambda: earth.ellipticity(HUGE, 1.0)),
     "rotation vector": ("vector", lambda: rotations.exp_so3(FAST)),
+    "invariants": ("omega", lambda: free.invariants(SOLID, FAST)),
+    "Euler's equations": ("omega", lambda: free.euler_rhs(SOLID, [HUGE, HUGE, 2.0])),
+    "permanent rotation": ("rate", lambda: free.permanent_rotation(SOLID, 3, HUGE)),
+    "local stability": ("factors", lambda: free.local_stability([HUGE] * 3, [HUGE, HUGE, 2.0])),
+    "constants of a top": ("omega", lambda: top.heavy_constants(TOP, FAST, [1.0, 0.0, 0.0, 0.0])),
+    "spin down": ("damping", lambda: top.spin_down(TOP, 9.0, damping=1e-320)),
+    "points": ("points", lambda: inertia.point_masses([1.0] * 2, [FAST, [0.0] * 3])),
+    "tensor": ("points", lambda: inertia.inertia_tensor([1.0], [FAST])),
+    "parallel axes": ("shift", lambda: inertia.steiner(np.eye(3), 1.0, FAST)),
+    "transport": ("vector", lambda: frames.transport(FAST, FAST, [1e200] * 3)),
+    "rotating frame": (
+        "omega",
+        lambda: frames.rotating_frame(FAST[:1] * 3, FAST[:1] * 3, omega=FAST),
+    ),
+    "totals": ("velocities", lambda: particles.particle_totals([1.0], [[1.0] * 3], [FAST])),
+    "König": ("velocities", lambda: particles.split_com([1.0], [[1.0] * 3], [FAST])),
+    "velocity field": ("omega", lambda: particles.velocity_field([FAST], [HUGE] * 3)),
+    "screw": ("translation", lambda: particles.screw(rotations.rotation_z(0.3), FAST)),
+    "springs": (
+        "positions",
+        lambda: springs.pair_system([1.0] * 2, [[0.0] * 3, FAST], stiffness=1.0),
+    ),
+    "orthogonality": ("matrix", lambda: rotations.orthogonality_error(HUGE * np.eye(3))),
+    "starts of an energy": (
+        "energy",
+        lambda: top.on_surface(TOP, energy=1e308, l_gamma=0.4, count=1),
+    ),
+    "starts of a momentum": (
+        "l_gamma",
+        lambda: top.on_surface(TOP, energy=2.0, l_gamma=HUGE, count=1),
+    ),
+    "sampled rates": (
+        "omega",
+        lambda: rotations.attitude_from_samples([[1e-308] * 3] * 8, np.arange(8) * 1e160),
+    ),
 }
 
 
