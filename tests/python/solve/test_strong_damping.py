@@ -150,6 +150,8 @@ def test_strong_damping_is_noticed() -> None:
     assert rigid.plan(scene, "rates", step=0.01).method == "etd4"
     with pytest.raises(ValueError, match="unstable under damping"):
         rigid.simulate(scene, *START, t=[0.4], method="dop853", step=0.01)
+    with pytest.raises(ValueError, match="unstable under damping"):  # the plan of this call too
+        rigid.plan(scene, "rates", omega=START[0], t_end=0.4, method="dop853", step=0.01)
     # Left to itself an explicit method takes the many steps that it needs, and says how many.
     many: Any = rigid.plan(scene, "rates", omega=START[0], t_end=0.4, method="rk4")
     assert many.steps > 1e5
