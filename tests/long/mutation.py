@@ -91,11 +91,11 @@ CORE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "src/estimate/": (_ERRORS, ("estimate",)),
 }
 
-#: Drawing: its numbers are a matter of taste.
-TASTE = ("animation/", "drawing/", "figures/", "maps/plot.py", "reports/plot.py")
+#: Drawings and tutorials: their numbers are a matter of taste.
+TASTE = ("animation/", "builtin/", "drawing/", "figures/", "maps/plot.py", "reports/plot.py")
 
 #: Processor time (s) of tests that are tried one by one, and then of whole files of tests.
-ALONE, TOGETHER = 20.0, 60.0
+ALONE, TOGETHER = 15.0, 40.0
 
 
 def core_mutants() -> Iterator[Mutant]:
