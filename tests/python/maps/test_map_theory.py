@@ -487,9 +487,7 @@ def test_agreement_counted_in_bands_is_that_of_the_whole_map(
         theory: Any = result.theory()
         known, sampled = ~np.isnan(theory.share), ~np.isnan(result.share)
         monkeypatch.setattr("rigid.maps.theory.BAND", band)
-        # Of half of the pixels the data say the contrary.
-        result.columns["stable"][::2] = result.samples[::2] - result.stable[::2]
-        result.columns["unstable"][::2] = result.samples[::2] - result.unstable[::2]
+        result.lower[::2], result.upper[::2] = 0.4, 0.6  # a map that disagrees with theory
         found = agreement(result)
         assert found == Agreement(
             label=theory.label,
