@@ -105,29 +105,35 @@ class LineTests:
         """The recorded lines that tell who runs this line."""
         path = [node for node in _nodes(LIBRARY / module) if _holds(node, line)]
         functions = [node for node in path if isinstance(node, ast.FunctionDef)]
-        if functions and functions[-1].body[0].lineno <= line:
-            # A line within a statement may not be on record; the next one above is.
-            body = range(line, functions[-1].body[0].lineno - 1, -1)
-            recorded = (number for number in body if self._then(module, number) is not None)
-            known = self._lines[module]
-            found = next((n for n in recorded if self._then(module, n) in known), line)
-            yield module, self._then(module, found) or line
-        elif functions:  # an argument's default
-            for number in range(functions[-1].body[0].lineno, (functions[-1].end_lineno or 0) + 1):
-                yield module, self._then(module, number) or number
-        else:  # a constant or an attribute: where its name stands
-            named = [node for node in path if isinstance(node, ast.Assign | ast.AnnAssign)]
-            targets = [
-                ast.unparse(target)
-                for node in named[-1:]
-                for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
-            ]
-            word = re.compile("|".join(rf"\b{re.escape(target)}\b" for target in targets) or ".")
-            for place in sorted(LIBRARY.rglob("*.py")) if targets else [LIBRARY / module]:
-                name = place.relative_to(LIBRARY).as_posix()
-                for number, text in enumerate(place.read_text().splitlines(), 1):
-                    if word.search(text):
-                        yield name, self._then(name, number) or number
+        if functions:
+            first = functions[-1].body[0].lineno
+            body = range(first, (functions[-1].end_lineno or first) + 1)
+            known = [n for n in body if self._then(module, n) in self._lines[module]]
+            if line < first or not known:  # an argument's default, or a function that is compiled
+                yield from ((module, self._then(module, number) or number) for number in known)
+                yield from self._with_name(module, [functions[-1].name] if not known else [])
+            else:
+                # A line within a statement may not be on record; the next one above is.
+                found = max((number for number in known if number <= line), default=line)
+                yield module, self._then(module, found) or found
+            return
+        # A constant or an attribute: where its name stands.
+        named = [node for node in path if isinstance(node, ast.Assign | ast.AnnAssign)]
+        targets = [
+            ast.unparse(target)
+            for node in named[-1:]
+            for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
+        ]
+        yield from self._with_name(module, targets)
+
+    def _with_name(self, module: str, names: list[str]) -> Iterator[tuple[str, int]]:
+        """The lines with one of the names; without names, those of the module."""
+        word = re.compile("|".join(rf"\b{re.escape(name)}\b" for name in names))
+        for place in sorted(LIBRARY.rglob("*.py")) if names else [LIBRARY / module]:
+            inside = place.relative_to(LIBRARY).as_posix()
+            for number, text in enumerate(place.read_text().splitlines(), 1):
+                if word.search(text):
+                    yield inside, self._then(inside, number) or number
 
     def _then(self, module: str, line: int) -> int | None:
         """The number that a line had when the tests were recorded."""
