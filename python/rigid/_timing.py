@@ -38,8 +38,8 @@ LEAST_GROWTH = 1.5
 """A run that is less longer than the one before tells little more."""
 
 REPEATED = 0.25 * BUDGET
-"""A whole call that is shorter (s) is repeated for this time, and the mean counts: where the time of
-a process is limited, its clock may tick 250 times a second only."""
+"""A whole call that is shorter (s) is repeated for this time, and the mean counts: where the time
+of a process is limited, its clock may tick 250 times a second only."""
 
 TICK = 1e-6
 """Shortest time (s) that is told from zero."""

@@ -162,8 +162,8 @@ def fails_in_python(*tests: str) -> str | None:
 @cache
 def require_passing(test: str) -> None:
     """Stop if a test that has killed a mutant fails without one."""
-    # All its cases: the name of one may have characters by which pytest does not find it. Some tests
-    # have a limit of time, which a busy machine may pass once.
+    # All its cases: the name of one may have characters by which pytest does not find it. Some
+    # tests have a limit of time, which a busy machine may pass once.
     if test != ENDLESS and all(fails_in_python(test.partition("[")[0]) for _ in range(2)):
         raise SystemExit(f"{test}: fails without a mutant")
 
