@@ -3,10 +3,11 @@
     python tests/long/mutation.py [--core 40] [--python 60] [--seed 1] [--only TEXT]
 
 Takes samples of the mutants of the core (made by `cargo install cargo-mutants`) and of Python, each
-in a copy of this tree below ``target/``, and runs the tests of its file until one fails. The copy's
-core has one instruction set, plain code with the fma of this processor: it compiles in a third of
-the time. The first run compiles it twice; a mutant of the core then takes one or two minutes, one
-of Python ten seconds. `--core 0` compiles nothing: it takes the core that `maturin develop` made.
+in a copy of this tree below ``target/``, and runs tests until one fails: of Python those that run
+the changed line, which the first run of all records in ten minutes (``pip install coverage``). The
+copy's core has one instruction set, plain code with the fma of this processor: it compiles in a
+third of the time. The first run compiles it twice; a mutant of the core then takes one or two
+minutes. `--core 0` compiles nothing: it takes the core that `maturin develop` made.
 A mutant that computes the same stands in ``tests/shared/equivalent_mutants.py``, with its reason.
 The exit code is 1 if more than a twentieth of the others survives.
 """
@@ -21,17 +22,22 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 from functools import cache, partial
-from itertools import islice, zip_longest
+from itertools import accumulate
 from pathlib import Path
 from random import Random
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "shared"))
 
 from equivalent_mutants import EQUIVALENT, key_of, why_equivalent
+from line_tests import LineTests
 from python_mutants import Mutant, python_mutants
 
 ROOT = Path(__file__).parents[2]
 COPY = ROOT / "target" / "mutation"
+
+#: Which tests run which lines, and the library of that time; remove the folder to record it anew.
+RECORDS = ROOT / "target" / "line_tests"
+SOURCES = RECORDS / "sources"
 
 #: Processor time (s) of a command by which a mutant runs without end, and its time if it waits.
 LONGEST, PATIENCE = 200, 600
@@ -85,431 +91,11 @@ CORE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "src/estimate/": (_ERRORS, ("estimate",)),
 }
 
-#: Beginnings of modules in `python/rigid`, and their tests in `tests/python`, quick ones first; the
-#: longest beginning counts. What has no line is drawing: its numbers are a matter of taste.
-PYTHON: dict[str, tuple[str, ...]] = {
-    "_checks/": (
-        "contract/test_bad_input.py",
-        "contract/test_progress.py",
-        "contract/test_what_is_given.py",
-        "contract/test_units.py",
-        "contract/test_notebook.py",
-        "solve/test_targets.py",
-        "maps/test_map_bad_input.py",
-        "solve/test_motion.py",
-        "maps/test_plan_of_a_criterion.py",
-    ),
-    "_checks/inputs.py": (
-        "cli/test_command_line.py",
-        "maps/test_map_again.py",
-        "solve/test_runs_kept.py",
-    ),
-    "_archive.py": (
-        "solve/test_runs_kept.py",
-        "maps/test_map_files.py",
-        "maps/test_own_starts.py",
-    ),
-    "_checks/matrices.py": ("rotations", "particles", "inertia"),
-    "_checks/moments.py": ("inertia", "contract/test_bad_input.py", "solve/test_rods.py"),
-    "_checks/progress.py": (
-        "contract/test_progress.py",
-        "reports/test_revolutions.py",
-        "cli/test_command_line.py",
-    ),
-    "_energy_loss.py": ("maps/test_satellite_maps.py", "free/test_lasting_rotation.py"),
-    "_files.py": ("test_files.py",),
-    "_libration.py": ("free/test_free_rotation.py", "solve/test_satellites.py"),
-    "_timing.py": ("solve/test_plan.py",),
-    "cli/": ("cli",),
-    "cli/toml_report.py": ("reports/test_report.py",),
-    "cli/tutorials.py": ("contract/test_notebook.py",),
-    "earth.py": ("test_earth.py",),
-    "exact/": (
-        "exact/test_exact_quantities.py",
-        "exact/test_closed_forms.py",
-        "top/test_symmetric_top.py",
-        "free/test_free_rotation.py",
-        "contract/test_what_is_given.py",
-    ),
-    "fits/arcs.py": ("fits/test_gyroscopes.py",),
-    "fits/fit.py": ("fits/test_fit.py", "fits/test_gyroscopes.py"),
-    "fits/least_squares.py": ("fits/test_fit.py", "fits/test_gyroscopes.py"),
-    "fits/unknowns.py": ("fits/test_fit.py", "fits/test_gyroscopes.py"),
-    "fixed_axis.py": ("test_fixed_axis.py",),
-    "frames.py": ("test_frames.py",),
-    "free/": ("free", "contract/test_what_is_given.py"),
-    "free/equations.py": (
-        "free/test_free_rotation.py",
-        "solve/test_many_bodies.py",
-        "solve/test_drag.py",
-        "solve/test_satellites.py",
-        "contract/test_what_is_given.py",
-    ),
-    "free/satellites.py": (
-        "free/test_free_rotation.py",
-        "free/test_lasting_rotation.py",
-        "solve/test_satellites.py",
-    ),
-    "inertia/": ("inertia", "solids/test_solids.py"),
-    "inertia/urdf.py": ("solids/test_mesh_files.py",),
-    "literature/": ("literature",),
-    "maps/": (
-        "maps/test_map_statistics.py",
-        "maps/test_map_axes.py",
-        "maps/test_map_grid.py",
-        "maps/test_map_bad_input.py",
-        "maps/test_map_files.py",
-        "maps/test_map_bits.py",
-        "maps/test_every_kind.py",
-        "maps/test_draws.py",
-    ),
-    "maps/contours.py": ("maps/test_map_theory.py", "maps/test_map_plot.py"),
-    "maps/data.py": (
-        "maps/test_map_statistics.py",
-        "maps/test_map_again.py",
-        "maps/test_map_files.py",
-        "maps/test_refined_maps.py",
-        "maps/test_regular_maps.py",
-        "maps/test_map_grid.py",
-    ),
-    "maps/dataset.py": (
-        "maps/test_map_files.py",
-        "maps/test_refined_maps.py",
-        "maps/test_measures.py",
-        "store/test_zarr.py",
-    ),
-    "maps/file.py": ("maps/test_map_files.py", "maps/test_measures.py"),
-    "maps/grid.py": (
-        "maps/test_map_grid.py",
-        "maps/test_own_starts.py",
-        "maps/test_map_axes.py",
-        "maps/test_map_bad_input.py",
-        "maps/test_every_kind.py",
-    ),
-    "maps/judge.py": ("maps/test_judged.py", "store/test_stored_functions.py"),
-    "maps/measured.py": ("maps/test_measures.py", "store/test_stored_functions.py"),
-    "maps/moons.py": ("maps/test_moon_maps.py",),
-    "maps/own.py": ("maps/test_own_scenes.py", "maps/test_own_starts.py"),
-    "maps/page.py": ("animation/test_explorer.py", "animation/test_widget.py"),
-    "maps/plan.py": ("maps/test_plan_of_a_criterion.py", "solve/test_plan.py"),
-    "maps/refine.py": ("maps/test_refined_maps.py",),
-    "maps/replay.py": (
-        "contract/test_notebook.py",
-        "maps/test_map_again.py",
-        "maps/test_map_grid.py",
-        "maps/test_judged.py",
-        "maps/test_measures.py",
-        "maps/test_every_kind.py",
-    ),
-    "maps/samples.py": (
-        "maps/test_map_again.py",
-        "maps/test_draws.py",
-        "maps/test_judged.py",
-        "maps/test_map_axes.py",
-        "maps/test_map_bad_input.py",
-    ),
-    "maps/satellites.py": ("maps/test_satellite_maps.py",),
-    "maps/sequential.py": ("maps/test_refined_maps.py",),
-    "maps/spec.py": (
-        "maps/test_map_bad_input.py",
-        "maps/test_map_axes.py",
-        "maps/test_map_grid.py",
-        "maps/test_map_statistics.py",
-        "maps/test_draws.py",
-        "maps/test_own_torques.py",
-        "maps/test_judged.py",
-        "maps/test_map_files.py",
-        "maps/test_plan_of_a_criterion.py",
-        "maps/test_regular_maps.py",
-        "maps/test_time_units.py",
-        "maps/test_every_kind.py",
-    ),
-    "maps/summary.py": (
-        "maps/test_time_units.py",
-        "maps/test_map_statistics.py",
-        "maps/test_measures.py",
-        "maps/test_refined_maps.py",
-        "maps/test_regular_maps.py",
-        "maps/test_map_theory.py",
-        "cli/test_command_line.py",
-    ),
-    "maps/theory.py": ("maps/test_map_theory.py", "maps/test_falling_top.py"),
-    "maps/vary.py": ("maps/test_varied_bodies.py",),
-    "maps/watched.py": (
-        "maps/test_criteria.py",
-        "maps/test_map_again.py",
-        "maps/test_time_units.py",
-        "maps/test_map_plot.py",
-        "animation/test_explorer.py",
-    ),
-    "maps/words.py": (
-        "maps/test_time_units.py",
-        "maps/test_regular_maps.py",
-        "maps/test_map_plot.py",
-    ),
-    "meshes.py": ("solids",),
-    "model/": (
-        "contract/test_bad_input.py",
-        "solve/test_torque_and_damping.py",
-        "fits/test_gyroscopes.py",
-        "solve/test_many_bodies.py",
-        "maps/test_map_bad_input.py",
-        "maps/test_map_grid.py",
-    ),
-    "model/bodies.py": (
-        "solve/test_rods.py",
-        "solve/test_many_bodies.py",
-        "contract/test_bad_input.py",
-        "solve/test_orbit_frame.py",
-        "solve/test_stated_errors.py",
-    ),
-    "model/body.py": (
-        "contract/test_bad_input.py",
-        "contract/test_units.py",
-        "inertia/test_inertia.py",
-        "free/test_free_rotation.py",
-        "solve/test_engineers_words.py",
-        "solve/test_rods.py",
-        "free/test_lasting_rotation.py",
-    ),
-    "model/bounds.py": (
-        "maps/test_criteria.py",
-        "solve/test_orbits.py",
-        "maps/test_plan_of_a_criterion.py",
-        "maps/test_every_kind.py",
-    ),
-    "model/compiling.py": ("solve/test_callbacks.py", "solve/test_event_functions.py"),
-    "model/criteria.py": (
-        "maps/test_criteria.py",
-        "maps/test_map_bad_input.py",
-        "maps/test_plan_of_a_criterion.py",
-        "maps/test_varied_bodies.py",
-    ),
-    "model/criterion.py": (
-        "maps/test_criteria.py",
-        "maps/test_draws.py",
-        "maps/test_map_bad_input.py",
-    ),
-    "model/damping.py": ("solve/test_torque_and_damping.py", "solve/test_many_bodies.py"),
-    "model/digest.py": ("maps/test_captured.py",),
-    "model/events.py": (
-        "solve/test_event_quantities.py",
-        "solve/test_events.py",
-        "solve/test_pointing_events.py",
-    ),
-    "model/forces.py": (
-        "solve/test_axes_of_a_drawing.py",
-        "fits/test_gyroscopes.py",
-        "solve/test_drag.py",
-        "maps/test_map_grid.py",
-        "solve/test_satellites.py",
-    ),
-    "model/frame.py": ("solve/test_axes_of_a_drawing.py",),
-    "model/function.py": ("solve/test_callbacks.py", "solve/test_own_states.py"),
-    "model/gravity.py": ("solve/test_engineers_words.py", "solve/test_satellites.py"),
-    "model/judged.py": ("maps/test_judged.py", "store/test_stored_functions.py"),
-    "model/measures.py": (
-        "maps/test_measures.py",
-        "maps/test_frame_of_the_orbit.py",
-        "maps/test_every_kind.py",
-    ),
-    "model/mixture.py": ("maps/test_draws.py", "maps/test_every_kind.py"),
-    "model/orbit.py": (
-        "solve/test_orbits.py",
-        "solve/test_flybys.py",
-        "solve/test_satellites.py",
-        "solve/test_orbit_tables.py",
-    ),
-    "model/orbit_axes.py": ("maps/test_frame_of_the_orbit.py", "solve/test_pointing_events.py"),
-    "model/parameters.py": (
-        "maps/test_map_axes.py",
-        "maps/test_map_grid.py",
-        "maps/test_map_bad_input.py",
-        "solve/test_sensitivity.py",
-        "fits/test_fit.py",
-        "maps/test_varied_bodies.py",
-    ),
-    "model/sampled.py": (
-        "solve/test_rotor_tables.py",
-        "solve/test_torque_and_damping.py",
-        "solve/test_orbit_tables.py",
-    ),
-    "model/scene.py": (
-        "contract/test_bad_input.py",
-        "solve/test_engineers_words.py",
-        "solve/test_axes_of_a_drawing.py",
-        "solve/test_many_bodies.py",
-        "solve/test_torque_and_damping.py",
-        "reports/test_revolutions.py",
-    ),
-    "model/seed.py": ("maps/test_draws.py", "maps/test_map_bad_input.py", "maps/test_map_again.py"),
-    "model/sourced.py": ("maps/test_captured.py", "maps/test_own_scenes.py"),
-    "model/noise.py": (
-        "maps/test_draws.py",
-        "maps/test_map_bad_input.py",
-        "maps/test_varied_bodies.py",
-    ),
-    "model/start.py": (
-        "maps/test_own_scenes.py",
-        "maps/test_map_grid.py",
-        "maps/test_map_bad_input.py",
-        "maps/test_satellite_maps.py",
-    ),
-    "model/time_unit.py": (
-        "maps/test_time_units.py",
-        "maps/test_satellite_maps.py",
-        "maps/test_plan_of_a_criterion.py",
-        "cli/test_command_line.py",
-    ),
-    "model/torque.py": (
-        "contract/test_bad_input.py",
-        "solve/test_torque_and_damping.py",
-        "solve/test_rotor_tables.py",
-        "solve/test_many_bodies.py",
-        "solve/test_callbacks.py",
-    ),
-    "particles/": ("particles", "test_springs.py"),
-    "planning.py": ("solve/test_plan.py",),
-    "reports/": (
-        "contract/test_constants_of_docstrings.py",
-        "reports/test_report.py",
-        "reports/test_revolutions.py",
-    ),
-    "reports/scheme.py": ("reports/test_own_schemes.py", "reports/test_report.py"),
-    "reports/stress": ("reports/test_stress.py",),
-    "rotations/": ("rotations", "contract/test_bad_input.py", "solve/test_orbit_frame.py"),
-    "sections/": ("sections",),
-    "solids/": ("solids", "contract/test_what_is_given.py"),
-    "solve/": (
-        "solve/test_plan.py",
-        "solve/test_many_bodies.py",
-        "solve/test_stated_errors.py",
-        "solve/test_strong_damping.py",
-        "solve/test_error_estimates.py",
-        "solve/test_torque_and_damping.py",
-        "solve/test_times.py",
-    ),
-    "solve/attitude_ephemeris.py": (
-        "solve/test_attitude_ephemeris.py",
-        "solve/test_runs_kept.py",
-    ),
-    "solve/chunks.py": (
-        "solve/test_targets.py",
-        "solve/test_tidy_tables.py",
-        "solve/test_engineers_words.py",
-    ),
-    "solve/closed_form.py": (
-        "maps/test_plan_of_a_criterion.py",
-        "solve/test_plan.py",
-        "solve/test_stated_errors.py",
-    ),
-    "solve/columns.py": ("solve/test_runs_kept.py", "solve/test_tidy_tables.py"),
-    "solve/conserved.py": (
-        "solve/test_rotor_tables.py",
-        "solve/test_invariants.py",
-        "solve/test_stated_errors.py",
-    ),
-    "solve/events.py": (
-        "solve/test_events.py",
-        "solve/test_event_quantities.py",
-        "sections/test_poincare.py",
-    ),
-    "solve/frequencies.py": ("solve/test_frequencies.py",),
-    "solve/growth.py": (
-        "solve/test_lyapunov.py",
-        "solve/test_orders.py",
-        "solve/test_tidy_tables.py",
-    ),
-    "solve/lyapunov.py": ("solve/test_lyapunov.py", "solve/test_orbits.py"),
-    "solve/motion.py": ("solve/test_motion.py",),
-    "solve/plan.py": (
-        "solve/test_plan.py",
-        "maps/test_plan_of_a_criterion.py",
-        "solve/test_runs_kept.py",
-        "solve/test_stated_errors.py",
-    ),
-    "solve/run.py": (
-        "solve/test_axes_of_a_drawing.py",
-        "solve/test_invariants.py",
-        "solve/test_orbits.py",
-        "solve/test_many_bodies.py",
-        "solve/test_events.py",
-        "solve/test_runs_kept.py",
-        "contract/test_notebook.py",
-        "solve/test_tidy_tables.py",
-        "solve/test_stated_errors.py",
-        "animation/test_animation.py",
-    ),
-    "solve/simulate.py": (
-        "solve/test_targets.py",
-        "solve/test_events.py",
-        "solve/test_times.py",
-        "solve/test_plan.py",
-        "solve/test_stated_errors.py",
-    ),
-    "solve/solution.py": (
-        "solve/test_targets.py",
-        "solve/test_many_bodies.py",
-        "solve/test_stated_errors.py",
-        "solve/test_plan.py",
-        "solve/test_strong_damping.py",
-    ),
-    "solve/recording.py": ("animation/test_animation.py",),
-    "solve/saved.py": ("solve/test_runs_kept.py",),
-    "solve/surfaces.py": (
-        "sections/test_poincare.py",
-        "solve/test_events.py",
-        "contract/test_same_bits.py",
-        "solve/test_pointing_events.py",
-        "solve/test_own_states.py",
-        "solve/test_event_functions.py",
-    ),
-    "solve/tangent.py": (
-        "solve/test_tangent.py",
-        "solve/test_sensitivity.py",
-        "solve/test_lyapunov.py",
-        "fits/test_fit.py",
-    ),
-    "springs.py": ("test_springs.py",),
-    "statics.py": ("test_statics.py",),
-    "store/": (
-        "store/test_parts.py",
-        "store/test_running_maps.py",
-        "store/test_damaged_logs.py",
-        "store/test_proofs.py",
-        "store/test_stored_functions.py",
-    ),
-    "store/drive.py": (
-        "maps/test_map_progress.py",
-        "store/test_running_maps.py",
-        "store/test_parts.py",
-        "store/test_proofs.py",
-        "store/test_dask.py",
-    ),
-    "store/rows.py": (
-        "contract/test_memory.py",
-        "store/test_parts.py",
-        "store/test_proofs.py",
-        "store/test_stored_functions.py",
-        "store/test_damaged_logs.py",
-    ),
-    "store/store.py": ("store/test_parts.py", "store/test_proofs.py"),
-    "store/call.py": (
-        "maps/test_map_again.py",
-        "maps/test_map_bad_input.py",
-        "store/test_parts.py",
-    ),
-    "store/result.py": (
-        "maps/test_map_statistics.py",
-        "maps/test_map_files.py",
-        "maps/test_map_plot.py",
-        "maps/test_refined_maps.py",
-    ),
-    "store/status.py": ("store/test_parts.py", "store/test_proofs.py", "cli/test_command_line.py"),
-    "store/zooms.py": ("animation/test_widget.py",),
-    "top/": ("top", "contract/test_what_is_given.py"),
-    "units.py": ("contract/test_units.py",),
-}
+#: Drawings and tutorials: their numbers are a matter of taste.
+TASTE = ("animation/", "builtin/", "drawing/", "figures/", "maps/plot.py", "reports/plot.py")
+
+#: Processor time (s) of tests that are tried one by one, and then of whole files of tests.
+ALONE, TOGETHER = 15.0, 40.0
 
 
 def core_mutants() -> Iterator[Mutant]:
@@ -564,21 +150,21 @@ def built() -> bool:
 def fails_in_python(*tests: str) -> str | None:
     """The first test that fails, or the word of a run without end; None if none fails."""
     FAILED.unlink(missing_ok=True)
-    paths = [str(Path("tests", "python", name)) for name in tests]
-    done = _run(sys.executable, "-m", "pytest", "-n0", "-x", "-q", *paths)
+    done = _run(sys.executable, "-m", "pytest", "-n0", "-x", "-q", *tests)
     if not done.returncode:
         return None
     found = json.loads(FAILED.read_text()) if FAILED.is_file() else {}
     if not found and done.returncode == 1:
         raise SystemExit(done.stderr)  # pytest itself has failed
-    return next((name.removeprefix("tests/python/") for name in found), ENDLESS)
+    return next(iter(found), ENDLESS)
 
 
 @cache
 def require_passing(test: str) -> None:
     """Stop if a test that has killed a mutant fails without one."""
-    # All its cases: the name of one may have characters by which pytest does not find it.
-    if test != ENDLESS and fails_in_python(test.partition("[")[0]):
+    # All its cases: the name of one may have characters by which pytest does not find it. Some
+    # tests have a limit of time, which a busy machine may pass once.
+    if test != ENDLESS and all(fails_in_python(test.partition("[")[0]) for _ in range(2)):
         raise SystemExit(f"{test}: fails without a mutant")
 
 
@@ -588,42 +174,77 @@ def passes_in_rust(names: tuple[str, ...]) -> bool:
     return not _run("cargo", "test", _PROFILE, *options).returncode
 
 
-def tests_of(path: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Files of tests in Python, and names of tests in Rust."""
-    if path.startswith(PACKAGE):
-        inside = path.removeprefix(PACKAGE)
-        return PYTHON[max((name for name in PYTHON if inside.startswith(name)), key=len)], ()
-    return next(tests for name, tests in CORE.items() if path.startswith(name))
-
-
 def modules() -> list[str]:
-    """The modules that have tests here."""
-    places = (place.relative_to(ROOT) for place in (ROOT / PACKAGE).rglob("*.py"))
-    paths = (place.as_posix() for place in places if place.name != "plot.py")
-    return sorted(path for path in paths if path.removeprefix(PACKAGE).startswith((*PYTHON,)))
+    """The modules that are mutated."""
+    places = (
+        place.relative_to(ROOT / PACKAGE).as_posix() for place in (ROOT / PACKAGE).rglob("*.py")
+    )
+    return sorted(PACKAGE + place for place in places if not place.startswith(TASTE))
 
 
-def fate(path: str) -> tuple[str, str]:
-    """What becomes of the copy with a changed file, and by which test; those in Rust come first."""
-    python, rust = tests_of(path)
+def recorded() -> LineTests:
+    """Which tests run which lines; recorded once, on all cores, in some 15 minutes."""
+    if not SOURCES.is_dir():
+        files = sorted(
+            (ROOT / "tests" / "python").rglob("test_*.py"), key=lambda f: f.stat().st_size
+        )
+        # The benches measure times, which a tracer changes.
+        names = [str(place.relative_to(ROOT)) for place in files if place.stem != "test_benches"]
+        path = os.pathsep.join(str(ROOT / name) for name in ("python", "tests/shared"))
+        count = os.cpu_count() or 1
+        runs = []
+        for k in range(count):
+            record = RECORDS / f"{k}.json"
+            record.parent.mkdir(parents=True, exist_ok=True)
+            command = (sys.executable, "-m", "pytest", "-n0", "-p", "line_tests", *names[k::count])
+            environment = os.environ | {"LINE_TESTS": str(record), "PYTHONPATH": path}
+            runs.append(subprocess.Popen(command, cwd=ROOT, env=environment))
+        for run in runs:
+            run.wait()
+        shutil.copytree(ROOT / PACKAGE, SOURCES)
+    return LineTests(sorted(RECORDS.glob("*.json")), SOURCES)
+
+
+def fate(mutant: Mutant, tests: LineTests | None) -> tuple[str, str]:
+    """What becomes of the copy with a changed file, and by which test."""
+    if tests is not None:
+        return _fate_of_python(mutant, tests)
+    path = mutant.path
+    python, rust = next(tests for name, tests in CORE.items() if path.startswith(name))
     if rust:
         if _run("cargo", "test", _PROFILE, "--lib", "--no-run").returncode:
             return NO_PROGRAM, ""
         if not passes_in_rust(rust):
             return KILLED, "a test in Rust"
-    if not path.startswith(PACKAGE) and not built():
+    if not built():
         return NO_PROGRAM, ""
-    killer = fails_in_python(*python)
+    killer = fails_in_python(*(f"tests/python/{name}" for name in python))
     return (SURVIVED, "") if killer is None else (KILLED, killer)
 
 
-def fate_of(mutant: Mutant) -> tuple[str, str]:
+def _fate_of_python(mutant: Mutant, tests: LineTests) -> tuple[str, str]:
+    """Tests of the line one by one, then the files of all of them, as far as the times allow."""
+    names = tests.of_line(mutant.path.removeprefix(PACKAGE), mutant.line)
+    files = list(dict.fromkeys(name.partition("::")[0] for name in names))
+    times = Counter[str]()
+    for name, seconds in tests.seconds.items():
+        times[name.partition("::")[0]] += seconds
+    for group, seconds, most in ((names, tests.seconds, ALONE), (files, times, TOGETHER)):
+        total = accumulate(seconds.get(name, 0.0) for name in group)
+        chosen = [name for name, until in zip(group, total, strict=True) if until < most]
+        killer = fails_in_python(*(chosen or group[:1])) if group else None
+        if killer is not None:
+            return KILLED, killer
+    return SURVIVED, "" if names else "(no test runs it)"
+
+
+def fate_of(mutant: Mutant, tests: LineTests | None) -> tuple[str, str]:
     """What becomes of a mutant, and by which test; afterwards the copy is as it was."""
     place = COPY / mutant.path
     original = place.read_bytes()
     place.write_bytes(_of_the_copy(mutant.path, mutant.text().encode()))
     try:
-        return fate(mutant.path)
+        return fate(mutant, tests)
     finally:
         place.write_bytes(original)
 
@@ -648,15 +269,10 @@ def _of_the_copy(name: str, content: bytes) -> bytes:
 
 
 def _sample(mutants: list[Mutant], count: int, seed: int, only: str | None) -> list[Mutant]:
-    """As many of each group of files with the same tests, as far as there are so many."""
+    """So many at random, or all whose description has a text."""
     if only is not None:
         return [mutant for mutant in mutants if only in str(mutant)]
-    groups: dict[object, list[Mutant]] = {}
-    for mutant in Random(seed).sample(mutants, len(mutants)):
-        groups.setdefault(tests_of(mutant.path), []).append(mutant)
-    turns = zip_longest(*groups.values())
-    drawn = (mutant for turn in turns for mutant in turn if mutant is not None)
-    return sorted(islice(drawn, count), key=str)
+    return Random(seed).sample(mutants, min(count, len(mutants)))
 
 
 def main() -> int:
@@ -683,16 +299,19 @@ def main() -> int:
         shutil.copy(ROOT / LIBRARY, COPY / LIBRARY)
     elif not built():
         raise SystemExit("the unchanged core does not compile")
-    for names in sorted({names for _, names in map(tests_of, {m.path for m in sample}) if names}):
-        if not passes_in_rust(names):
+    tests = recorded() if any(mutant.path.startswith(PACKAGE) for mutant in sample) else None
+    of_rust = [m.path for m in sample if not m.path.startswith(PACKAGE)]
+    for begin_of, (_, names) in CORE.items():
+        asked = names and any(path.startswith(begin_of) for path in of_rust)
+        if asked and not passes_in_rust(names):
             raise SystemExit(f"{names}: fail without a mutant")
     for mutant in sample:
         begin = time.perf_counter()
-        said, killer = fate_of(mutant)
+        said, killer = fate_of(mutant, tests if mutant.path.startswith(PACKAGE) else None)
         seconds = time.perf_counter() - begin
         print(f"{said:17} {seconds:4.0f} s  {mutant}  {killer.rpartition('::')[2]}", flush=True)
         fates.setdefault(mutant.path, Counter())[said] += 1
-        if mutant.path.startswith(PACKAGE) and killer:
+        if mutant.path.startswith(PACKAGE) and said == KILLED:
             require_passing(killer)
     total = sum(fates.values(), Counter())
     print(f"\n{'file':40} {KILLED:>8} {SURVIVED:>8} {NO_PROGRAM:>17}")

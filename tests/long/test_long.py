@@ -15,7 +15,7 @@ from processes import environment, python_command
 SCRIPTS = (
     "any_scene",
     "closed_forms_against_rk4",
-    "coverage",
+    "interval_coverage",
     "criteria",
     "eccentric_orbits",
     "error_estimates",

@@ -42,6 +42,9 @@ _PAIRS = (
 )
 _FUNCTIONS = {name: other for pair in _PAIRS for name, other in (pair, pair[::-1])}
 
+#: A number beyond it is doubled: one more would be no change worth a test.
+LARGE = 15
+
 
 @dataclass(frozen=True)
 class Mutant:
@@ -109,7 +112,7 @@ def _places(tree: ast.AST) -> Iterator[_Change]:
         case ast.Constant(value=bool() as truth):
             yield tree, "value", None, not truth
         case ast.Constant(value=int() | float() as number):
-            yield tree, "value", None, number + 1 if number + 1 != number else -number
+            yield tree, "value", None, 2 * number if abs(number) > LARGE else number + 1
         case ast.Attribute(attr=name) if name in _FUNCTIONS:
             yield tree, "attr", None, _FUNCTIONS[name]
         case ast.Call(func=ast.Name(id=name)) if name in _FUNCTIONS:

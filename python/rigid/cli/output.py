@@ -138,7 +138,7 @@ def _json(facts: Mapping[str, Any]) -> str:
             return [checked(part) for part in value]
         return None if isinstance(value, float) and not math.isfinite(value) else value
 
-    return json.dumps(checked(facts), ensure_ascii=False, allow_nan=False, indent=2)
+    return json.dumps(checked(facts), ensure_ascii=False, indent=2)
 
 
 def finished(

@@ -167,7 +167,13 @@ def check_once(argument: str, named: Sequence[Named]) -> None:
             [a for a in mine if bool(a.parameter.index) is part] for part in (False, True)
         )
         _check_exclusive(argument, whole, parts, f"both set the {place}")
-    _check_moments(argument, _at(named, "moments"))
+        setters: dict[tuple[int, ...], Named] = {}
+        for one in parts:
+            first = setters.setdefault(one.parameter.index, one)
+            if first is not one:
+                number = first.parameter.sets(first.name)[0]
+                raise ValueError(f"{argument}: {first.name!r} and {one.name!r} both set {number}")
+    _check_ratios(argument, _at(named, "moments"))
 
 
 def _at(named: Iterable[Named], place: str) -> list[Named]:
@@ -185,15 +191,9 @@ def _check_exclusive(
         )
 
 
-def _check_moments(argument: str, named: Sequence[Named]) -> None:
-    """Raise ValueError if one moment is set twice or a ratio of moments is given twice."""
-    setters: dict[int | None, Named] = {}
-    for one in named:
-        (moment,) = one.parameter.index
-        if moment in setters:
-            both = f"{setters[moment].name!r} and {one.name!r}"
-            raise ValueError(f"{argument}: {both} both set I{moment + 1}")
-        setters[moment] = one
+def _check_ratios(argument: str, named: Sequence[Named]) -> None:
+    """Raise ValueError if a ratio of moments is given twice."""
+    setters: dict[int | None, Named] = {one.parameter.index[0]: one for one in named}
     for one in named:
         seen, at = [one.name], one.parameter.times
         while at in setters:

@@ -46,6 +46,7 @@ class Parameter:
     number, value : callable or None
         The number in its place as a function of the value, if it is another one, and the value as a
         function of the number. None of an angle, whose bits would depend on the machine.
+        A motion has no derivative by a parameter with such a number.
     lowest, highest : float
         Range of the values.
     open_end : bool
@@ -94,7 +95,7 @@ class Parameter:
     def has_derivative(self, scene: Scene) -> bool:
         """Whether the motion of a scene has a derivative by the parameter."""
         place = PLACES.get(self.place)
-        if place is None or place.first is None or self.times is not None:
+        if place is None or place.first is None or (self.times, self.number) != (None, None):
             return False
         if self.place in FORCES:
             # A rotor by a table may be larger at all times, an orbit by a table has no numbers.

@@ -1,5 +1,7 @@
 """Maps of any number of axes; horizons, limits, torques and sizes of the noise on an axis."""
 
+import dataclasses
+import types
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,8 @@ from refusals import refuses
 from rigid.cli.toml_map import parse_spec
 from rigid.cli.toml_table import SpecError
 from rigid.drawing.figure import new_figure
+from rigid.maps.axes import check_once
+from rigid.model.parameters import PARAMETERS
 from small_maps import NAMED, Floats, assert_same_map, small_map
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.7)), mgl=1.0, com=(0.0, 0.6, 0.8))
@@ -378,3 +382,19 @@ def test_more_axes_than_a_picture_shows() -> None:
     ax = new_figure().add_subplot()
     with pytest.raises(ValueError, match="at: must give values of spin, I3, t_end: one picture"):
         result.plot(ax)
+
+
+def test_two_names_of_one_number_exclude_each_other() -> None:
+    """A period, should there be one, sets the rate of the orbit."""
+    rate = PARAMETERS["rate"]
+    period = dataclasses.replace(rate, number=np.reciprocal)
+    named: list[Any] = [
+        types.SimpleNamespace(name=name, parameter=row)
+        for name, row in (("rate", rate), ("period", period))
+    ]
+    with pytest.raises(ValueError, match=r"^axes: 'rate' and 'period' both set rate$"):
+        check_once("axes", named)
+    # Its derivative is not that by the number of the core.
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), orbit=rigid.Orbit(0.5, 0.1))
+    assert rate.has_derivative(scene)
+    assert not period.has_derivative(scene)

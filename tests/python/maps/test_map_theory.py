@@ -487,6 +487,9 @@ def test_agreement_counted_in_bands_is_that_of_the_whole_map(
         theory: Any = result.theory()
         known, sampled = ~np.isnan(theory.share), ~np.isnan(result.share)
         monkeypatch.setattr("rigid.maps.theory.BAND", band)
+        wrong = known & sampled
+        wrong[1::2] = False
+        result.lower[wrong], result.upper[wrong] = 0.4, 0.6
         found = agreement(result)
         assert found == Agreement(
             label=theory.label,
@@ -494,3 +497,4 @@ def test_agreement_counted_in_bands_is_that_of_the_whole_map(
             disagree=int(result.disagreement(theory).sum()),
             unknown=int((sampled & ~known).sum()),
         )
+        assert found.disagree >= wrong.sum() > 0

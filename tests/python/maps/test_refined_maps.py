@@ -270,7 +270,7 @@ def test_the_table_of_half_width_5_percent() -> None:
 
 
 def test_the_reported_interval_holds_the_share_95_times_of_100() -> None:
-    """Summed over all ways through the looks. tests/long/coverage.py tries 100 half widths."""
+    """Summed over all ways through the looks; tests/long/interval_coverage.py tries more widths."""
     # 0.01198 and 0.0312 are among the worst.
     found = least_coverage([0.05, 0.1, 0.0312, 0.01198], 60)
     assert min(found.values()) >= 0.95

@@ -285,6 +285,19 @@ def test_lines_of_a_flat_spin_are_not_those_of_a_body_on_an_orbit() -> None:
     assert predicted(drag=0.01) is None
 
 
+def test_no_flat_spin_is_predicted_of_a_body_that_already_nutates() -> None:
+    theory = rigid.stability_map(
+        rigid.FreeBody(rigid.Body((1.0, 2.0, 2.2)), dissipation=rigid.EnergySink(0.05)),
+        axes={"omega1": [1.0, 2.0]},
+        start=rigid.Start(omega=(1.0, 0.1, 0.0), noise=rigid.normal(1e-3)),
+        stable=rigid.no_flip(1),
+        samples=2,
+        t_end=5.0,
+        rng=1,
+    ).theory()
+    assert theory is None or np.isnan(theory.share).all()
+
+
 def test_words_about_a_satellite_say_why_it_has_no_theory() -> None:
     spec = read_spec("gravity-gradient").spec
     values = {axis.name: np.array(axis.values)[::40] for axis in spec.axes}

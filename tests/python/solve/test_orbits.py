@@ -623,3 +623,7 @@ def test_a_slow_orbit_keeps_the_digits_of_the_time() -> None:
     free = rigid.simulate(rigid.FreeBody(body), [1.0, 2.0, 0.5], t=t, method="exact")
     np.testing.assert_allclose(run.omega, free.omega, rtol=0.0, atol=1e-12)
     assert apart(run, free) < 1e-12
+
+
+def test_an_orbit_is_written_without_its_default_numbers() -> None:
+    assert repr(rigid.Orbit(1e-3, eccentricity=0.1)) == "Orbit(rate=0.001, eccentricity=0.1)"

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import rigid
 from physics import LISTED, METHODS, tilted
+from processes import run_python
 from rigid import _timing as timing
 from rigid import planning
 from rigid.maps.plan import shortened
@@ -636,6 +637,17 @@ STATES: dict[str, tuple[rigid.FreeBody | rigid.HeavyTop, dict[str, Any]]] = {
     "broadcast": (PAIR, {"omega": np.tile(RATES, (3, 1)), "attitude": np.eye(4)[0]}),
     "step": (HEAVY, {"omega": RATES, "method": "rk4", "step": 0.01}),
 }
+
+
+def test_a_cost_is_known_where_the_time_of_the_process_is_limited() -> None:
+    """Under a limit, as of a batch system, the clock of a process ticks 250 times a second."""
+    pytest.importorskip("resource", reason="no limits of processes here")
+    run_python(
+        "-c",
+        "import resource; resource.setrlimit(resource.RLIMIT_CPU, (500, 500)); import rigid\n"
+        "body = rigid.Body((1.0, 2.0, 3.0))\n"
+        "assert rigid.plan(body, omega=[0.1, 1.0, 0.2], t_end=100.0, cost=True).cost > 0.0",
+    )
 
 
 @pytest.mark.parametrize("name", STATES)

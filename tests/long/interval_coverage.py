@@ -1,6 +1,6 @@
 """The exact coverage of sequential intervals, and that of simulated pixels with unknown bodies.
 
-    python tests/long/coverage.py [--widths 100] [--shares 500] [--pixels 10000]
+    python tests/long/interval_coverage.py [--widths 100] [--shares 500] [--pixels 10000]
 
 Fails if the least coverage over all tried shares, and over both sides of the ends of the intervals,
 is below 0.95 for any half width, or that of the simulated pixels.
