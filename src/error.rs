@@ -84,7 +84,7 @@ pub enum Error {
     },
     /// An explicit method would be unstable.
     #[error(
-        "step = {step:e}{}: '{name}' is unstable under damping with steps beyond {longest:e} (the fastest damping rate \
+        "step = {step:e}{}: '{name}' is unstable under damping with steps beyond {longest:.3e} (the fastest damping rate \
          is {rate:e}); take shorter ones, leave the step out, or take a method for strong damping",
         whose(*.body)
     )]

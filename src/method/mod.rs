@@ -406,7 +406,8 @@ impl Method {
     pub fn check_damping(&self, body: Option<usize>, step: f64, rate: f64) -> Result<(), Error> {
         let limit = self.forced_limit()?;
         if step * rate > limit {
-            let (name, longest) = (self.facts.name, limit / rate);
+            // Shorter by more than four digits are rounded, so that a step of these digits is stable.
+            let (name, longest) = (self.facts.name, 0.9994 * limit / rate);
             return Err(Error::Unstable { body, step, rate, name, longest });
         }
         Ok(())

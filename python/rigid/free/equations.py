@@ -153,7 +153,6 @@ class Invariants:
         return np.asarray(np.fmax.reduce(change, axis=-1))[()]
 
 
-@refuses_overflow
 def invariants(
     motion: Run | Scene,
     omega: ArrayLike | None = None,

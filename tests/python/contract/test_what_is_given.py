@@ -252,7 +252,6 @@ OVERFLOWS: dict[str, tuple[str, Callable[[], Any]]] = {
     "effective potential": ("b", lambda: top.effective_potential(TOP, 1.0, a=1.0, b=HUGE)),
     "ellipticity": ("polar_radius", lambda: earth.ellipticity(HUGE, 1.0)),
     "rotation vector": ("vector", lambda: rotations.exp_so3(FAST)),
-    "invariants": ("omega", lambda: free.invariants(rigid.FreeBody(SOLID), FAST)),
     "Euler's equations": ("omega", lambda: free.euler_rhs(SOLID, [HUGE, HUGE, 2.0])),
     "permanent rotation": ("rate", lambda: free.permanent_rotation(SOLID, 3, HUGE)),
     "local stability": ("factors", lambda: free.local_stability([HUGE] * 3, [HUGE, HUGE, 2.0])),
