@@ -94,7 +94,7 @@ CORE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 #: Drawings and tutorials: their numbers are a matter of taste.
 TASTE = ("animation/", "builtin/", "drawing/", "figures/", "maps/plot.py", "reports/plot.py")
 
-#: Processor time (s) of tests that are tried one by one, and then of whole files of tests.
+#: Time (s) of the tests of a line that are tried first, and then of their whole files.
 ALONE, TOGETHER = 15.0, 40.0
 
 
@@ -182,6 +182,7 @@ def modules() -> list[str]:
     return sorted(PACKAGE + place for place in places if not place.startswith(TASTE))
 
 
+@cache
 def recorded() -> LineTests:
     """Which tests run which lines; recorded once, on all cores, in some 15 minutes."""
     if not SOURCES.is_dir():
@@ -198,18 +199,20 @@ def recorded() -> LineTests:
             record.parent.mkdir(parents=True, exist_ok=True)
             command = (sys.executable, "-m", "pytest", "-n0", "-p", "line_tests", *names[k::count])
             environment = os.environ | {"LINE_TESTS": str(record), "PYTHONPATH": path}
-            runs.append(subprocess.Popen(command, cwd=ROOT, env=environment))
-        for run in runs:
+            runs.append((record, subprocess.Popen(command, cwd=ROOT, env=environment)))
+        for record, run in runs:
             run.wait()
+            if not record.is_file():
+                raise SystemExit(f"{record}: pytest ended without a record")
         shutil.copytree(ROOT / PACKAGE, SOURCES)
     return LineTests(sorted(RECORDS.glob("*.json")), SOURCES)
 
 
-def fate(mutant: Mutant, tests: LineTests | None) -> tuple[str, str]:
+def fate(mutant: Mutant) -> tuple[str, str]:
     """What becomes of the copy with a changed file, and by which test."""
-    if tests is not None:
-        return _fate_of_python(mutant, tests)
     path = mutant.path
+    if path.startswith(PACKAGE):
+        return _fate_of_python(mutant)
     python, rust = next(tests for name, tests in CORE.items() if path.startswith(name))
     if rust:
         if _run("cargo", "test", _PROFILE, "--lib", "--no-run").returncode:
@@ -222,8 +225,9 @@ def fate(mutant: Mutant, tests: LineTests | None) -> tuple[str, str]:
     return (SURVIVED, "") if killer is None else (KILLED, killer)
 
 
-def _fate_of_python(mutant: Mutant, tests: LineTests) -> tuple[str, str]:
-    """Tests of the line one by one, then the files of all of them, as far as the times allow."""
+def _fate_of_python(mutant: Mutant) -> tuple[str, str]:
+    """The tests of the line, then the files that they stand in, as far as the times allow."""
+    tests = recorded()
     names = tests.of_line(mutant.path.removeprefix(PACKAGE), mutant.line)
     files = list(dict.fromkeys(name.partition("::")[0] for name in names))
     times = Counter[str]()
@@ -238,13 +242,13 @@ def _fate_of_python(mutant: Mutant, tests: LineTests) -> tuple[str, str]:
     return SURVIVED, "" if names else "(no test runs it)"
 
 
-def fate_of(mutant: Mutant, tests: LineTests | None) -> tuple[str, str]:
+def fate_of(mutant: Mutant) -> tuple[str, str]:
     """What becomes of a mutant, and by which test; afterwards the copy is as it was."""
     place = COPY / mutant.path
     original = place.read_bytes()
     place.write_bytes(_of_the_copy(mutant.path, mutant.text().encode()))
     try:
-        return fate(mutant, tests)
+        return fate(mutant)
     finally:
         place.write_bytes(original)
 
@@ -299,7 +303,6 @@ def main() -> int:
         shutil.copy(ROOT / LIBRARY, COPY / LIBRARY)
     elif not built():
         raise SystemExit("the unchanged core does not compile")
-    tests = recorded() if any(mutant.path.startswith(PACKAGE) for mutant in sample) else None
     of_rust = [m.path for m in sample if not m.path.startswith(PACKAGE)]
     for begin_of, (_, names) in CORE.items():
         asked = names and any(path.startswith(begin_of) for path in of_rust)
@@ -307,7 +310,7 @@ def main() -> int:
             raise SystemExit(f"{names}: fail without a mutant")
     for mutant in sample:
         begin = time.perf_counter()
-        said, killer = fate_of(mutant, tests if mutant.path.startswith(PACKAGE) else None)
+        said, killer = fate_of(mutant)
         seconds = time.perf_counter() - begin
         print(f"{said:17} {seconds:4.0f} s  {mutant}  {killer.rpartition('::')[2]}", flush=True)
         fates.setdefault(mutant.path, Counter())[said] += 1

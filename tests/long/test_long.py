@@ -15,7 +15,6 @@ from processes import environment, python_command
 SCRIPTS = (
     "any_scene",
     "closed_forms_against_rk4",
-    "interval_coverage",
     "criteria",
     "eccentric_orbits",
     "error_estimates",
@@ -23,6 +22,7 @@ SCRIPTS = (
     "fits",
     "fuzz",
     "growth",
+    "interval_coverage",
     "killed_writers",
     "own_states",
     "principal_axes",

@@ -13,7 +13,7 @@ import json
 import os
 import re
 import time
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from difflib import SequenceMatcher
 from functools import cache
@@ -83,22 +83,16 @@ class LineTests:
             for module, lines in found["lines"].items():
                 for line, names in lines.items():
                     self._lines[module][int(line)].update(names)
-        everywhere = [
+        self._size = Counter(
             name for lines in self._lines.values() for names in lines.values() for name in names
-        ]
-        self._size: dict[str, int] = defaultdict(int)
-        for name in everywhere:
-            self._size[name] += 1
+        )
 
     def of_line(self, module: str, line: int) -> list[str]:
         """Tests that run a line, those first that run little else than its module."""
         names = set[str]()
         for place, number in self._run_with(module, line):
             names |= self._lines[place].get(number, set())
-        within: dict[str, int] = defaultdict(int)
-        for covered in self._lines[module].values():
-            for name in covered & names:
-                within[name] += 1
+        within = Counter(name for run in self._lines[module].values() for name in run & names)
         return sorted(names, key=lambda name: (-within[name] / self._size[name], name))
 
     def _run_with(self, module: str, line: int) -> Iterator[tuple[str, int]]:
