@@ -32,7 +32,7 @@ class Axis:
 
     name: str
     values: tuple[float, ...]
-    own: bool = False
+    own: bool
     """Whether the axis is an argument of the function that makes the scene."""
 
     @property
@@ -144,12 +144,10 @@ class Named(Protocol):
     @property
     def name(self) -> str:
         """The name of the parameter."""
-        ...
 
     @property
     def parameter(self) -> Parameter:
         """The row of the parameter."""
-        ...
 
 
 def check_places(argument: str, named: Sequence[Named]) -> None:

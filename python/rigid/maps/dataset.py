@@ -104,7 +104,7 @@ def write_zarr(data: MapData, path: str | os.PathLike[str]) -> Path:
     scratch = target.with_name(f".rigid-{os.urandom(16).hex()}.part")
     try:
         write_zarr_url(data, os.fspath(scratch))
-        for folder, _, names in os.walk(scratch, topdown=False):
+        for folder, _, names in os.walk(scratch):
             for name in names:
                 synchronise(os.path.join(folder, name))
             synchronise(folder)

@@ -7,7 +7,7 @@ classifies them.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -68,10 +68,10 @@ class BlockedJob:
         self.status = status
         self._samples, self._measures, self._most = samples, measures, most
 
-    def _blocks(self, numbers: Sequence[int] | NDArray[Any]) -> Iterator[Ints]:
+    def _blocks(self, numbers: NDArray[Any]) -> Iterator[Ints]:
         """Some numbers of bodies at a time."""
         for begin in range(0, len(numbers), self._most):
-            yield np.asarray(numbers[begin : begin + self._most], dtype=np.int64)
+            yield numbers[begin : begin + self._most].astype(np.int64)
 
     def _counted(
         self, flat: Ints, threads: int, interrupted: Callable[[], bool] | None
@@ -93,10 +93,8 @@ class BlockedJob:
         """As ``MapJob.run``."""
         first, last = start // self._samples, -(-stop // self._samples)
         statistics = _core.MapStatistics(last - first, self._measures)
-        for block in self._blocks(range(start, stop)):
-            flat = block[self.status[block // self._samples] == 0]
-            if not len(flat):
-                continue
+        numbers = np.arange(start, stop)
+        for flat in self._blocks(numbers[self.status[numbers // self._samples] == 0]):
             part = self._counted(flat, threads, interrupted)
             if part is None:
                 return None

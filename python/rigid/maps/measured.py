@@ -85,8 +85,6 @@ class Measured:
     @cached_property
     def error(self) -> Floats:
         """The largest difference of the two runs of a body; NaN where no body was run twice."""
-        if not len(self.bins):
-            return self._where(np.empty(0))
         # Bits of -1 are a NaN, and the bits of positive numbers have their order.
         return self._where(np.maximum.reduceat(self.bins[:, 9], self._first).view(np.float64))
 

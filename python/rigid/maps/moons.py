@@ -26,9 +26,8 @@ import numpy as np
 from .._checks.arrays import Floats
 from .._libration import frequencies
 from ..model.orbit import Orbit
-from ..model.sampled import Sampled
 from ..rotations import quaternion_to_matrix
-from .satellites import Predicted
+from .satellites import Predicted, orbit_alone
 from .spec import MapSpec
 
 PLACES = 256
@@ -37,7 +36,7 @@ PLACES = 256
 
 def attitude_resonances(spec: MapSpec) -> Predicted | None:
     """Where the oscillations of a moon that keeps one side to its planet are pumped."""
-    orbit, grid = _orbit_alone(spec), spec.grid
+    orbit, grid = orbit_alone(spec), spec.grid
     if orbit is None or orbit.eccentricity == 0.0 or not _faces_planet(spec, orbit):
         return None
     known = grid.possible & np.all(grid.omega[:, :2] == 0.0, axis=1)
@@ -54,7 +53,7 @@ def attitude_resonances(spec: MapSpec) -> Predicted | None:
 
 def spin_orbit_resonances(spec: MapSpec) -> Predicted | None:
     """Where a moon that spins about the normal of its orbit begins to librate."""
-    orbit, grid = _orbit_alone(spec), spec.grid
+    orbit, grid = orbit_alone(spec), spec.grid
     if orbit is None or orbit.anomaly != 0.0 or not _faces_planet(spec, orbit):
         return None
     first, second, third = grid.moments.T
@@ -82,16 +81,6 @@ def averaged_torque(p: float, eccentricity: Floats) -> Floats:
     mean = anomaly - e * np.sin(anomaly)
     found: Floats = np.mean(np.cos(2.0 * (true - p * mean)) / near**2, axis=-1)
     return found
-
-
-def _orbit_alone(spec: MapSpec) -> Orbit | None:
-    """The orbit of a free body, an ellipse, on which nothing else acts."""
-    orbit = spec.scene.orbit
-    if orbit is None or {*spec.forces} != {"orbit"} or isinstance(orbit, Sampled):
-        return None
-    if orbit.shape or orbit.eccentricity > 1.0:
-        return None
-    return orbit
 
 
 def _faces_planet(spec: MapSpec, orbit: Orbit) -> bool:

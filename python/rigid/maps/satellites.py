@@ -165,18 +165,22 @@ def at_rest_on(orbit: Orbit) -> Floats:
     return orbit.frame(0.0)[:, [1, 2, 0]]
 
 
+def orbit_alone(spec: MapSpec) -> Orbit | None:
+    """The orbit of a free body, an ellipse, on which nothing else acts."""
+    orbit = spec.scene.orbit
+    if {*spec.forces} != {"orbit"} or not isinstance(orbit, Orbit) or orbit.eccentricity > 1.0:
+        return None
+    return orbit
+
+
 def on_orbit(spec: MapSpec) -> Predicted | None:
     """The prediction for roll and yaw of a satellite at rest on its orbit, or None."""
-    scene, stable, start, grid = spec.scene, spec.stable, spec.start.starts[0], spec.grid
-    orbit = scene.orbit
+    orbit, stable, start, grid = orbit_alone(spec), spec.stable, spec.start.starts[0], spec.grid
     noise = start.noise
     if (
         orbit is None
-        or scene.tables
-        or not isinstance(stable, TiltBelow)
-        or {*spec.forces} != {"orbit"}
-        or orbit.shape
         or orbit.eccentricity != 0.0
+        or not isinstance(stable, TiltBelow)
         or stable.reference != "vertical"
         or stable.axis != 2
         or start.attitude is None
