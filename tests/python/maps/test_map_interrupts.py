@@ -4,9 +4,10 @@ import os
 import pickle
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,9 +20,6 @@ from terminals import in_terminal, read
 
 #: Bodies of every second row and column, which come first: 3 x 4 pixels of 20.
 DONE = 240
-
-
-AGAIN = 10.0
 
 
 @pytest.fixture(autouse=True)
@@ -40,15 +38,28 @@ def test_errors_of_a_callable_come_through() -> None:
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
-@pytest.mark.parametrize("how", ["raised by the callable", "a signal"])
-def test_an_interrupted_map_is_a_coarse_part_of_the_whole_one(how: str, tmp_path: Path) -> None:
+@pytest.fixture(params=["raised by the callable", "a signal"])
+def ctrl_c(request: pytest.FixtureRequest) -> Callable[[], None]:
+    """Interrupt a map from its progress."""
+
+    def raised() -> None:
+        raise KeyboardInterrupt
+
+    return raised if request.param == "raised by the callable" else signalled
+
+
+def signalled() -> None:
+    os.kill(os.getpid(), signal.SIGINT)
+
+
+def test_an_interrupted_map_is_a_coarse_part_of_the_whole_one(
+    ctrl_c: Callable[[], None], tmp_path: Path
+) -> None:
     whole = small_map()
 
     def interrupt(progress: rigid.Progress) -> None:
         if progress.done >= DONE:
-            if how == "raised by the callable":
-                raise KeyboardInterrupt
-            os.kill(os.getpid(), signal.SIGINT)
+            ctrl_c()
 
     with in_blocks(1):
         partial = small_map(progress=interrupt, partial=True)
@@ -69,16 +80,15 @@ def test_an_interrupted_map_is_a_coarse_part_of_the_whole_one(how: str, tmp_path
     assert f"stopped after {DONE:,} bodies" in partial.plot().get_title(loc="left")
 
 
-@pytest.mark.parametrize("how", ["raised by the callable", "a signal"])
-def test_ctrl_c_ends_a_loop_of_maps_and_brings_the_part_that_is_done(how: str) -> None:
+def test_ctrl_c_ends_a_loop_of_maps_and_brings_the_part_that_is_done(
+    ctrl_c: Callable[[], None],
+) -> None:
     whole = small_map()
     begun: list[int] = []
 
     def interrupt(progress: rigid.Progress) -> None:
         if len(begun) == 2 and progress.done == DONE:
-            if how == "raised by the callable":
-                raise KeyboardInterrupt
-            os.kill(os.getpid(), signal.SIGINT)
+            ctrl_c()
 
     def six_maps() -> None:
         for number in range(6):
@@ -102,7 +112,7 @@ def test_ctrl_c_ends_a_loop_of_maps_and_brings_the_part_that_is_done(how: str) -
 def test_ctrl_c_with_the_last_body_is_not_lost() -> None:
     def interrupt(progress: rigid.Progress) -> None:
         if progress.done == progress.total:
-            os.kill(os.getpid(), signal.SIGINT)
+            signalled()
 
     with pytest.raises(rigid.Interrupted, match="35 of 35 pixels are done") as caught:
         small_map(progress=interrupt)
@@ -112,8 +122,8 @@ def test_ctrl_c_with_the_last_body_is_not_lost() -> None:
 
 def test_a_second_ctrl_c_ends_at_once() -> None:
     def impatient(progress: rigid.Progress) -> None:
-        os.kill(os.getpid(), signal.SIGINT)
-        os.kill(os.getpid(), signal.SIGINT)
+        signalled()
+        signalled()
 
     with in_blocks(1), pytest.raises(KeyboardInterrupt) as caught:
         small_map(progress=impatient, partial=True)
@@ -126,7 +136,7 @@ def test_other_handlers_and_other_threads_are_left_alone() -> None:
     with sigint(lambda *_: called.append(1)):
         handler = signal.getsignal(signal.SIGINT)
         with in_blocks(25):
-            result = small_map(progress=lambda progress: os.kill(os.getpid(), signal.SIGINT))
+            result = small_map(progress=lambda progress: signalled())
         assert signal.getsignal(signal.SIGINT) is handler
     assert result.complete
     assert called == [1, 1]
@@ -140,32 +150,34 @@ def test_other_handlers_and_other_threads_are_left_alone() -> None:
 
 def test_ctrl_c_reaches_the_main_thread_while_a_pool_computes() -> None:
     """The pool completes its map all the same."""
-    listening, heard = threading.Event(), threading.Event()
+    listening, heard, noted = (threading.Event() for _ in range(3))
     calls: list[int] = []
+
+    def hear(*_: object) -> None:
+        if not heard.is_set():
+            heard.set()
+            raise KeyboardInterrupt
 
     def interrupt(progress: rigid.Progress) -> None:
         calls.append(progress.done)
-        if len(calls) == 1:
-            assert listening.wait(PATIENCE)  # what the main thread does before is not guarded
-            os.kill(os.getpid(), signal.SIGINT)
-            return
+        assert listening.wait(PATIENCE)  # what the main thread does before is not guarded
         # A signal between the last look at signals and the wait does not end the wait: again.
-        for _ in range(int(PATIENCE / AGAIN)):
-            if heard.wait(AGAIN):
-                return
-            os.kill(os.getpid(), signal.SIGINT)
-        raise AssertionError("the main thread heard no signal")
+        for _ in range(int(PATIENCE / 0.1)):
+            if heard.wait(0.1):
+                break
+            signalled()
+        assert noted.wait(PATIENCE)
 
     def listen(computing: Future[rigid.StabilityMap]) -> None:
         listening.set()
         computing.result(PATIENCE)
 
-    with in_blocks(5), ThreadPoolExecutor(1) as pool:
+    with sigint(hear), in_blocks(5), ThreadPoolExecutor(1) as pool:
         computing = pool.submit(small_map, progress=interrupt)
         with pytest.raises(KeyboardInterrupt):
             listen(computing)
         assert not computing.done()
-        heard.set()
+        noted.set()
         completed = computing.result(PATIENCE)
     assert len(calls) > 2
     assert completed.complete
@@ -198,20 +210,15 @@ seed = 1
 
 
 @pytest.mark.parametrize(
-    ("place", "number", "code"),
-    [
-        ("foreground", signal.SIGINT, 130),
-        ("background", signal.SIGINT, 130),
-        ("foreground", signal.SIGTERM, 143),
-    ],
+    ("handler", "number", "code"),
+    [(signal.SIG_IGN, signal.SIGINT, 130), (signal.default_int_handler, signal.SIGTERM, 143)],
 )
 def test_an_interrupted_command_writes_what_there_is(
-    place: str, number: signal.Signals, code: int, tmp_path: Path
+    handler: Any, number: signal.Signals, code: int, tmp_path: Path
 ) -> None:
     """Also where a shell has started it in the background, so that it ignores SIGINT at first."""
     (tmp_path / "big.toml").write_text(BIG)
     command = ("map", str(tmp_path / "big.toml"), "--out", str(tmp_path / "big"))
-    handler = signal.SIG_IGN if place == "background" else signal.default_int_handler
     with sigint(handler), in_terminal("-m", "rigid", *command) as (process, reader):
         shown = read(reader, until=b"k/3.00M")  # some thousand bodies are done
         assert b"k/3.00M" in shown

@@ -194,6 +194,3 @@ def test_a_block_is_as_long_as_its_units_and_the_disk_allow(
     assert taken([0.01], monkeypatch, threads=4, blocks=3) == pytest.approx(120, abs=1)
     # One costly unit: four such blocks of its kind at most.
     assert taken([0.1, *[0.0] * 15], monkeypatch) == pytest.approx(12, abs=1)
-
-
-"""Seconds after which a signal that was not heard is sent again."""
