@@ -23,7 +23,7 @@ from rigid.model.criterion import Criterion, Joined
 from small_maps import Floats, small_map, spec_of
 
 #: Bodies of each family; ``tests/long/criteria.py`` takes many more.
-BODIES = 200
+BODIES = 120
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.5)), mgl=1.0)
 SPINS = {"spin": [2.0, 4.5]}
@@ -113,13 +113,13 @@ COMBINED: tuple[tuple[Criterion, Any], ...] = (
 def test_joined_criteria_are_the_logic_of_the_single_ones_sample_by_sample() -> None:
     asked: dict[str, Any] = {
         "axes": SPINS,
-        "samples": 60,
+        "samples": 30,
         "t_end": 12.0,
         "rng": 7,
         "start": rigid.Start(spin=3.0, tilt=0.2, attitude_noise=rigid.normal(0.2)),
     }
     alone = [rigid.stability_map(TOP, stable=stable, **asked) for stable in SINGLE]
-    bodies = [(pixel, sample) for pixel in range(2) for sample in range(60)]
+    bodies = [(pixel, sample) for pixel in range(2) for sample in range(30)]
     single = [[result.replay(*body, t=[0.0]) for body in bodies] for result in alone]
     truths = [np.array([body.outcome == "stable" for body in bodies_]) for bodies_ in single]
     sure = np.all([[b.outcome in ("stable", "unstable") for b in one] for one in single], axis=0)

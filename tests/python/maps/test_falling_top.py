@@ -9,7 +9,7 @@ import rigid
 from map_texts import TABLES, map_text
 from physics import present
 from refusals import refuses
-from rigid.cli.toml_map import parse_spec, read_spec
+from rigid.cli.toml_map import parse_spec
 from rigid.maps.data import STORED
 from rigid.maps.spec import MapSpec
 from rigid.maps.theory import falling_lag, predict
@@ -58,36 +58,6 @@ def test_the_falling_time_is_the_quasi_static_one_in_the_slow_limit() -> None:
     # A quarter of the damping: the lag, in units of the time, falls by 4^(2/3) = 2.5.
     assert relative[0] / relative[1] == pytest.approx(4.0 ** (2.0 / 3.0), rel=0.15)
     assert relative[1] / relative[2] == pytest.approx(4.0 ** (2.0 / 3.0), rel=0.1)
-
-
-def test_the_built_in_map_agrees_with_the_theory() -> None:
-    spec = read_spec("falling-top").spec
-    assert "quasi-static" in present_theory(spec).label
-    values = spec.to_dict()
-    for axis in values["axes"]:
-        axis["values"] = axis["values"][::15]
-    values["samples"] = 4
-    coarse = MapSpec.from_dict(values)
-    theory = present_theory(coarse)
-    result = rigid.stability_map(
-        coarse.scene,
-        axes={axis.name: axis.values for axis in coarse.axes},
-        start=coarse.start,
-        stable=coarse.stable,
-        samples=4,
-        t_end=coarse.t_end,
-        rng=coarse.seed,
-    )
-    known = np.isfinite(theory.share)
-    share = result.stable / result.spec.samples
-    assert known.mean() > 0.5
-    assert {0.0, 1.0} == set(theory.share[known].tolist())
-    assert not result.failed.any()
-    assert np.array_equal(share[known], theory.share[known])
-    assert [curve.label.split("$")[0] for curve in theory.curves] == [
-        "onset of the fall ",
-        "about half pass 0.5 rad by t = 100 s",
-    ]
 
 
 def test_the_lines_of_the_falling_top_are_its_onset_and_its_border() -> None:
@@ -178,20 +148,6 @@ def test_a_map_under_damping_and_its_samples(method: str) -> None:
     first = run.t[np.flatnonzero(tilt > 0.5)[0]]
     assert abs(first - body.left) < 60.0 / 400.0
     assert np.array(result.spec.scene.damping or np.zeros((3, 3))).sum() == 0.0
-
-
-def test_flips_under_a_torque_are_those_of_the_trajectory() -> None:
-    """A torque against the spin turns it round at `t = I w / N`."""
-    scene = rigid.FreeBody(rigid.Body((1.0, 1.0, 2.0)), torque=rigid.Torque.body((0, 0, -0.1)))
-    result = small(
-        scene,
-        axes={"spin": [1.0, 2.0, 4.0]},
-        start=rigid.Start(spin=1.0),
-        stable=rigid.no_flip(3),
-        t_end=60.0,
-    )
-    assert result.stable.tolist() == [0, 0, 8]
-    assert result.earliest[:2] == pytest.approx([20.0, 40.0], rel=1e-9)
 
 
 def test_a_file_says_torque_and_damping() -> None:

@@ -203,13 +203,6 @@ def test_each_horizon_has_the_bits_of_its_own_map() -> None:
         assert every.replay((0, 1), 3).run.t[-1] == 5.0
 
 
-def test_the_horizon_may_be_the_only_axis() -> None:
-    ends = {"axes": {"t_end": [5.0, 20.0]}}
-    result = rigid.stability_map(TOP, stable=rigid.judged(stays_low, T), **{**TOPS, **ends})
-    assert result.stable.shape == (2,)
-    assert result.failed.sum() == 0
-
-
 def test_the_function_takes_limit_and_horizon_from_the_axes() -> None:
     def below(states: rigid.States) -> Verdicts:
         assert states.gamma is not None

@@ -14,7 +14,7 @@ from refusals import refuses
 from rigid.cli.toml_map import parse_spec
 from rigid.cli.toml_table import SpecError
 from rigid.drawing.figure import new_figure
-from rigid.maps.axes import check_once
+from rigid.maps.axes import check_once, make_axes
 from rigid.model.parameters import PARAMETERS
 from small_maps import NAMED, Floats, assert_same_map, small_map
 
@@ -64,22 +64,6 @@ def test_a_map_over_horizons_is_the_maps_of_each(kind: str, place: str) -> None:
         part = small_map(**options, axes=axes, t_end=end)
         index = (..., k) if place == "first" else (k,)
         assert_slice(whole, index, part)
-
-
-def test_a_map_may_have_no_axis_but_the_horizon() -> None:
-    result = small_map(axes={"t_end": ENDS}, samples=30)
-    assert result.share.shape == (3,)
-    alone = small_map(axes={"spin": [1.0]}, t_end=ENDS[1], samples=30)
-    assert result.stable[1] == alone.stable[0]
-    body = result.replay(2, 4)
-    assert body.parameters == {"t_end": 11.0}
-    assert body.run.t[-1] == 11.0
-
-
-def test_the_horizon_need_not_be_said_twice() -> None:
-    options: dict[str, Any] = {"axes": {"t_end": ENDS}, "samples": 3, "stable": rigid.no_flip()}
-    spec = rigid.stability_map(rigid.FreeBody, **options, rng=1, progress=False).spec
-    assert spec.t_end == 11.0
 
 
 def test_every_horizon_and_limit_sees_the_same_bodies() -> None:
@@ -133,6 +117,22 @@ def test_the_condition_of_a_pixel_is_the_median_of_its_first_bodies() -> None:
 # Any number of axes
 
 
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ([1.0, 2.0, 4.0], "3 values, geometric"),
+        ([4.0, 2.0, 1.0], "3 values, geometric"),
+        ([1.0, 2.0], "2 values"),
+        ([1.0, 2.0, 3.0], "3 values"),
+        ([1.0, 1.001, 1.002], "3 values"),
+        ([0.0, 1.0, 2.0], "3 values"),
+    ],
+)
+def test_three_values_of_one_ratio_are_a_progression(values: list[float], words: str) -> None:
+    (axis,) = make_axes({"spin": values})
+    assert str(axis) == f"spin from {values[0]:g} to {values[-1]:g} rad/s ({words})"
+
+
 FOUR: dict[str, Any] = {
     "I2/I1": [1.2, 1.5],
     "noise": [0.01, 0.1, 1.0],
@@ -166,18 +166,6 @@ def test_maps_of_three_and_four_axes(count: int, tmp_path: Path) -> None:
     summary = loaded.summary()
     for name in ("x", "y", "z", "axis4")[:count]:
         assert f"\n{name} " in summary
-
-
-def test_three_axes_are_stacked_planes_of_two() -> None:
-    # The draws depend on the number of the pixel: so the noise is omitted.
-    start = rigid.Start(omega=(0.3, 1.0, 0.2))
-    options: dict[str, Any] = {"start": start, "stable": rigid.no_flip(2)}
-    x, y, z = [1.2, 1.4, 1.6], [0.1, 0.4], [0.5, 1.0, 2.0, 3.0]
-    whole = small_map(**options, axes={"I2": x, "omega1": y, "omega2": z}, samples=2)
-    for k, rate in enumerate(z):
-        start = rigid.Start(omega=(0.3, rate, 0.2))
-        plane = small_map(**{**options, "start": start}, axes={"I2": x, "omega1": y}, samples=2)
-        assert_slice(whole, (k,), plane)
 
 
 def test_ratios_follow_each_other_along_three_axes() -> None:

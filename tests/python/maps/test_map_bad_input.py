@@ -318,7 +318,11 @@ test_axes_without_meaning_say_why = refuses(
             "has no effect",
         ),
         (
-            rigid.FreeBody(FREE.body, torque=rigid.Torque.body((0.3, 0.0, 0.0)), damping=0.1),
+            rigid.FreeBody(
+                FREE.body,
+                torque=rigid.Torque.body((0.3, 0.0, 0.0)) + rigid.Torque.space((0.0, 0.0, 0.0)),
+                damping=0.1,
+            ),
             ["I1"],
             rigid.Start(spin=1.0, attitude_noise=rigid.normal(0.1)),
             "attitude_noise = normal(0.1): the attitude of a free body without a torque in space "

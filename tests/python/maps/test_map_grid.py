@@ -327,11 +327,13 @@ def test_impossible_bodies_harm_no_neighbour() -> None:
 
 
 def test_a_map_of_impossible_bodies_only() -> None:
-    result = small_map(axes={"I1": [10.0, 11.0]}, start=rigid.Start(spin=1.0, axis=2))
+    start = rigid.Start(spin=1.0, axis=2)
+    result = small_map(axes={"I1": [10.0, 11.0]}, start=start, method="auto")
     assert result.complete
     assert result.samples.sum() == 0
     assert result.theory() is None
     assert "2 impossible pixels" in result.summary()
+    assert result.plan.why == ("no pixel has a possible body: nothing is done",)
 
 
 def test_a_flat_box_is_possible_at_equality() -> None:

@@ -32,9 +32,9 @@ def run(code: str) -> subprocess.CompletedProcess[str]:
 # Progress
 
 
-@pytest.mark.parametrize("option", ["False", "None", "lambda progress: None"])
-def test_without_a_terminal_not_one_byte_is_written(option: str) -> None:
-    done = run(SHORT + f"progress={option})\nassert result.complete")
+def test_without_a_terminal_not_one_byte_is_written() -> None:
+    code = "".join(f"{SHORT}progress={one})\n" for one in (False, None, "lambda progress: None"))
+    done = run(code + "assert result.complete")
     assert (done.stdout, done.stderr) == ("", "")
 
 
@@ -62,21 +62,22 @@ def test_in_a_narrow_terminal_the_bar_keeps_ten_cells() -> None:
     assert last.endswith("00:00 left, 400 failed")
 
 
-def test_false_is_silent_in_a_terminal_too() -> None:
-    assert shown_in_a_terminal(SHORT + "progress=False)") == ""
+#: From here on as if tqdm were not installed.
+BLOCKED = "sys.modules['tqdm'] = None\n"
 
 
-def test_true_shows_the_bar_anywhere() -> None:
-    done = run(SHORT + "progress=True)")
-    assert "bodies/s" in done.stderr
-    assert done.stdout == ""
+def test_false_is_silent_in_a_terminal_too_and_none_without_tqdm() -> None:
+    code = f"{SHORT}progress=False)\n{BLOCKED}{SHORT}progress=None)"
+    assert shown_in_a_terminal(code) == ""
 
 
-def test_without_tqdm_none_is_silent_and_true_says_what_is_missing() -> None:
-    blocked = "sys.modules['tqdm'] = None\n"
-    assert shown_in_a_terminal(blocked + SHORT + "progress=None)") == ""
+def test_true_shows_the_bar_anywhere_or_says_what_is_missing() -> None:
     ask = "try:\n    " + SHORT.strip().replace("\n", "\n    ") + "progress=True)\n"
-    done = run(blocked + ask + "except ImportError as error:\n    print(error)")
+    done = run(
+        f"{BLOCKED}{ask}except ImportError as error:\n    print(error)\n"
+        f"del sys.modules['tqdm']\n{SHORT}progress=True)"
+    )
+    assert "bodies/s" in done.stderr
     assert done.stdout.strip() == "a progress bar needs tqdm: pip install 'rigid-rotation[maps]'"
 
 

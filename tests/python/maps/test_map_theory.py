@@ -456,11 +456,6 @@ def test_impossible_and_degenerate_pixels_are_unknown() -> None:
     assert theory.share[1] == 0.0
 
 
-def test_a_prediction_does_not_depend_on_random_numbers() -> None:
-    one, other = (prediction(rng=seed).share for seed in (1, 2))
-    np.testing.assert_array_equal(one, other)
-
-
 def test_disagreement_is_a_prediction_outside_the_interval() -> None:
     result = small_map()
     theory = result.theory()

@@ -268,6 +268,7 @@ def test_measures_change_no_class() -> None:
     for name in ("stable", "unstable", "undecided", "failed", "earliest", "energy_drift"):
         np.testing.assert_array_equal(getattr(with_, name), getattr(without, name))
     assert "measure" not in without.spec.to_dict()
+    assert repr(without.measures) == "<measures: none>"
 
 
 OF_FREE: dict[str, Any] = {

@@ -183,6 +183,3 @@ def test_a_picture_has_all_lines_and_a_title_that_fits() -> None:
     assert ax._left_title.get_window_extent().x1 < ax.figure.bbox.x1
     words = ax.get_title(loc="left")
     assert words.endswith("until t = 70 d\n1 body per pixel")
-
-
-"""Mean motion of a moon (rad/s)."""

@@ -154,6 +154,8 @@ def test_an_axis_of_the_function_cannot_be_left_out() -> None:
     spec = small_map(pendulum, axes=axes, **OPTIONS).spec
     with pytest.raises(ValueError, match="axes: the function of the scene needs an axis 'mass'"):
         spec.replace(axes={"length": LENGTHS})
+    with pytest.raises(TypeError, match="axes = 3: must be a dict of names and values"):
+        small_map(pendulum, axes=3, **OPTIONS)
 
 
 # Starts of a given attitude: what a torque in space does to them, noise, files, refusals.
@@ -262,16 +264,3 @@ def test_the_size_of_the_attitude_noise_is_an_axis_of_a_map() -> None:
     # Terms of second order in the size, 0.1 at most, change a normal angle by half its square.
     np.testing.assert_array_less(abs(1.0 - result.share - chance), 4.0 * spread + 5e-3)
     assert result.share[0] == 1.0
-
-
-def test_without_a_torque_in_space_the_noise_would_change_nothing() -> None:
-    start = rigid.Start(spin=1.0, attitude_noise=rigid.normal(0.1))
-    body = rigid.Body((1.0, 1.5, 2.0))
-    for scene in (
-        rigid.FreeBody(body),
-        rigid.FreeBody(body, damping=0.1),
-        rigid.FreeBody(body, torque=rigid.Torque.body((0.3, 0.0, 0.0))),
-        rigid.FreeBody(body, torque=rigid.Torque.space((0.0, 0.0, 0.0))),
-    ):
-        with pytest.raises(ValueError, match="without a torque in space has no effect"):
-            small_map(scene, start=start, axes={"spin": [1.0]})

@@ -51,6 +51,9 @@ def test_fewer_bodies_give_the_same_picture(
     full: rigid.StabilityMap, refined: rigid.StabilityMap
 ) -> None:
     assert refined.samples.sum() < 0.6 * full.samples.sum()
+    assert not full.stage.any()
+    assert len(full.cells) == 0
+    assert not full.narrow.any()
     possible = full.status == 0
     assert not np.isnan(refined.filled[possible]).any()
     assert np.isnan(refined.filled[~possible]).all()
@@ -280,23 +283,6 @@ def test_fewer_samples_are_taken_where_the_share_is_clear() -> None:
     stopping = Stopping(stop_table(0.05))
     means = [stopping.coverage(p)[1] for p in (0.001, 0.1, 0.5)]
     assert means == pytest.approx([64, 218, 512], abs=1.0)
-
-
-def test_a_rule_that_looks_with_a_95_percent_interval_would_not_hold() -> None:
-    # So the test above can fail: SciPy's intervals of 95 %, looked at, cover 94.2 %.
-    stats = pytest.importorskip("scipy.stats")
-    stopping = Stopping(stop_table(0.05))
-    tables = []
-    for samples in range(64, 513, 64):
-        m = np.arange(samples + 1)
-        lower = np.where(m == 0, 0.0, stats.beta.ppf(0.025, np.maximum(m, 1), samples - m + 1))
-        upper = np.where(
-            m == samples, 1.0, stats.beta.isf(0.025, m + 1, np.maximum(samples - m, 1))
-        )
-        tables.append((lower, upper, (upper - lower <= 0.1) | (samples == 512)))
-    stopping.tables = tables
-    worst = min(stopping.coverage(float(p))[0] for p in np.linspace(0.02, 0.5, 400))
-    assert worst < 0.949
 
 
 def counts(stable: int, undecided: int, failed: int, samples: int) -> MapData:

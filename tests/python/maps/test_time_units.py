@@ -17,6 +17,7 @@ DAY = 86400.0
 
 
 RATE = 2.0e-6
+"""Mean motion of a moon (rad/s)."""
 
 
 def moon_map(rate: float = RATE, **options: Any) -> rigid.StabilityMap:
@@ -48,7 +49,6 @@ def moon_map(rate: float = RATE, **options: Any) -> rigid.StabilityMap:
     ],
 )
 def test_words_and_pictures_show_times_in_the_unit(unit: Any, seconds: float, words: str) -> None:
-    pytest.importorskip("matplotlib")
     result = moon_map(time_unit=unit)
     name = unit if isinstance(unit, str) else unit[0]
     number = float(words.split()[0])
@@ -92,7 +92,6 @@ def test_files_keep_the_unit(unit: Any, tmp_path: Path) -> None:
 
 
 def test_on_an_orbit_of_rate_one_rates_are_multiples_of_the_mean_motion() -> None:
-    pytest.importorskip("matplotlib")
     result = moon_map(1.0, time_unit="orbit")
     assert result.plot().get_xlabel() == "spin over mean motion"
     assert content_of_map(result, 1)["axes"][0]["label"] == "spin over mean motion"
@@ -106,7 +105,6 @@ def test_on_an_orbit_of_rate_one_rates_are_multiples_of_the_mean_motion() -> Non
 
 
 def test_measures_of_times_are_shown_in_the_unit() -> None:
-    pytest.importorskip("matplotlib")
     leaving = rigid.time_to_leave()
     asked: dict[str, Any] = {"stable": rigid.pointing_within(0.5, 1), "measure": leaving}
     result = moon_map(time_unit="d", samples=9, **asked)
