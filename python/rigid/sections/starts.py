@@ -130,6 +130,10 @@ class _Top:
         gamma = gamma[np.argsort(self.effective(gamma), kind="stable")[:16]]
         reach = np.full(len(gamma), 4.0 / np.sqrt(LATTICE))
         best = self.effective(gamma)
+        # Along a valley of equal energies a step of the size s gains less than their range times
+        # s³, by the bend of the sphere alone: the search would creep on and on.
+        turning = 0.5 * self.momentum**2 / self.moments
+        span = np.linalg.norm(self.weight) + np.ptp(turning)
         while reach.max() > 1e-9:
             across, along = _frame(gamma)
             ways = np.stack([across, -across, along, -along])
@@ -138,7 +142,7 @@ class _Top:
             energies = self.effective(trial)
             way, bodies = np.argmin(energies, axis=0), np.arange(len(gamma))
             found = energies[way, bodies]
-            better = found < best
+            better = found < best - span * reach**3
             gamma = np.where(better[:, np.newaxis], trial[way, bodies], gamma)
             best = np.where(better, found, best)
             reach = np.where(better, reach, 0.5 * reach)

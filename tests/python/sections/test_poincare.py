@@ -20,6 +20,7 @@ KOVALEVSKAYA = rigid.HeavyTop(rigid.Body((2.0, 2.0, 1.0)), mgl=1.0, com=(1.0, 0.
 LAGRANGE = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0, com=(0.0, 0.0, 1.0))
 GORYACHEV = rigid.HeavyTop(rigid.Body((4.0, 4.0, 1.0)), mgl=1.0, com=(1.0, 0.0, 0.0))
 BOX = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+RATES = [0.3, 0.4, 1.0]
 
 SERIES = [method.name for method in METHODS if method.series]
 
@@ -123,7 +124,7 @@ def test_rising_and_falling_points_are_those_of_both() -> None:
     both, rising, falling = (
         rigid.poincare(
             ASYMMETRIC,
-            [0.3, 0.4, 1.0],
+            RATES,
             section=rigid.section("gamma1", 0.2, direction),
             t_end=60.0,
         )
@@ -139,12 +140,10 @@ def test_rising_and_falling_points_are_those_of_both() -> None:
 
 def test_heights_turn_highest_or_lowest() -> None:
     com = np.array([0.6, 0.0, 0.8])
-    highest = rigid.poincare(ASYMMETRIC, [0.3, 0.4, 1.0], t_end=50.0)
-    lowest = rigid.poincare(
-        ASYMMETRIC, [0.3, 0.4, 1.0], section=rigid.section(direction=1), t_end=50.0
-    )
+    highest = rigid.poincare(ASYMMETRIC, RATES, t_end=50.0)
+    lowest = rigid.poincare(ASYMMETRIC, RATES, section=rigid.section(direction=1), t_end=50.0)
     t = np.linspace(0.0, 50.0, 5001)
-    height = np.asarray(rigid.simulate(ASYMMETRIC, [0.3, 0.4, 1.0], t=t).gamma) @ com
+    height = np.asarray(rigid.simulate(ASYMMETRIC, RATES, t=t).gamma) @ com
     inner = height[1:-1]
     for points, turns in (
         (highest, (inner > height[:-2]) & (inner > height[2:])),
@@ -156,16 +155,15 @@ def test_heights_turn_highest_or_lowest() -> None:
 
 
 def test_a_plane_of_vectors_is_the_component() -> None:
-    named = rigid.poincare(
-        ASYMMETRIC, [0.3, 0.4, 1.0], section=rigid.section("omega2", 0.1), t_end=90.0
-    )
-    plane = rigid.poincare(
-        ASYMMETRIC,
-        [0.3, 0.4, 1.0],
-        section=rigid.section(omega=(0.0, 1.0, 0.0), value=0.1),
-        t_end=90.0,
+    named, plane = (
+        rigid.poincare(ASYMMETRIC, RATES, section=section, t_end=90.0)
+        for section in (
+            rigid.section("omega2", 0.1),
+            rigid.section(omega=(0.0, 1.0, 0.0), value=0.1),
+        )
     )
     np.testing.assert_array_equal(named.t, plane.t)
+    np.testing.assert_array_equal(named.component("t"), named.t)
     assert len(named) > 5
 
 
@@ -260,13 +258,13 @@ def test_torque_and_damping_act_on_the_way_to_a_section() -> None:
     top = rigid.HeavyTop(
         rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8), torque=torque, damping=0.01
     )
-    points = rigid.poincare(top, [0.3, 0.4, 1.0], t_end=40.0)
-    run = rigid.simulate(top, [0.3, 0.4, 1.0], t=points.t, method="taylor16")
+    points = rigid.poincare(top, RATES, t_end=40.0)
+    run = rigid.simulate(top, RATES, t=points.t, method="taylor16")
     np.testing.assert_allclose(run.omega, points.omega, atol=1e-9)
     assert run.gamma is not None
     np.testing.assert_allclose(run.gamma, points.gamma, atol=1e-9)
     t = np.linspace(0.0, 40.0, 8001)
-    height = np.asarray(rigid.simulate(top, [0.3, 0.4, 1.0], t=t).gamma) @ np.array([0.6, 0.0, 0.8])
+    height = np.asarray(rigid.simulate(top, RATES, t=t).gamma) @ np.array([0.6, 0.0, 0.8])
     peaks = (height[1:-1] > height[:-2]) & (height[1:-1] > height[2:])
     assert len(points) == np.count_nonzero(peaks)
 
@@ -310,8 +308,8 @@ def test_a_body_at_rest_crosses_nothing() -> None:
 
 
 def test_the_error_covers_the_difference_from_a_sharper_run() -> None:
-    loose = rigid.poincare(ASYMMETRIC, [0.3, 0.4, 1.0], t_end=40.0, tolerance=1e-9)
-    sharp = rigid.poincare(ASYMMETRIC, [0.3, 0.4, 1.0], t_end=40.0)
+    loose = rigid.poincare(ASYMMETRIC, RATES, t_end=40.0, tolerance=1e-9)
+    sharp = rigid.poincare(ASYMMETRIC, RATES, t_end=40.0)
     assert len(loose) == len(sharp)
     off = np.abs(loose.t - sharp.t)
     assert 1e-12 < off.max() < 1e-3
@@ -338,9 +336,9 @@ def test_the_unit_of_time_does_not_matter(power: int) -> None:
     # Powers of two change no digit while all products are normal numbers: those of the smaller
     # unit are not, whose mgl has a square below all doubles.
     unit = 2.0**power
-    known = rigid.poincare(ASYMMETRIC, [0.3, 0.4, 1.0], t_end=30.0)
+    known = rigid.poincare(ASYMMETRIC, RATES, t_end=30.0)
     top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2 * unit * unit, com=(0.6, 0.0, 0.8))
-    found = rigid.poincare(top, unit * np.array([0.3, 0.4, 1.0]), t_end=30.0 / unit)
+    found = rigid.poincare(top, unit * np.array(RATES), t_end=30.0 / unit)
     rtol = 0.0 if power > 0 else 1e-13
     np.testing.assert_allclose(found.t * unit, known.t, rtol=rtol)
     np.testing.assert_allclose(found.gamma, known.gamma, rtol=rtol, atol=rtol)
@@ -348,7 +346,7 @@ def test_the_unit_of_time_does_not_matter(power: int) -> None:
 
 
 def test_points_of_a_chaotic_motion_are_lost_at_last() -> None:
-    points = rigid.poincare(ASYMMETRIC, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=400.0)
+    points = rigid.poincare(ASYMMETRIC, RATES, [0.9, 0.3, 0.2, 0.1], t_end=400.0)
     # Its exponent is 0.31: rounding grows to 1e-3 in about 100 s.
     assert 60.0 < float(points.lost_from) < 250.0
     assert points.status == rigid.Status.FLAGGED
@@ -357,9 +355,7 @@ def test_points_of_a_chaotic_motion_are_lost_at_last() -> None:
 
 
 def test_too_many_steps_and_overflow_have_a_status() -> None:
-    points = rigid.poincare(
-        ASYMMETRIC, [[0.3, 0.4, 1.0], [0.3, 0.4, 1e120]], t_end=1e5, max_steps=100
-    )
+    points = rigid.poincare(ASYMMETRIC, [RATES, [0.3, 0.4, 1e120]], t_end=1e5, max_steps=100)
     assert points.status.tolist() == [rigid.Status.STEP_LIMIT] * 2
     assert not points.complete.any()
     assert points.end[0] < 1e3
@@ -374,7 +370,7 @@ def test_leading_axes_of_bodies_are_kept() -> None:
 
 
 def test_a_picture_shows_every_point() -> None:
-    points = rigid.poincare(ASYMMETRIC, [[0.3, 0.4, 1.0], [0.1, 0.2, 2.0]], t_end=50.0)
+    points = rigid.poincare(ASYMMETRIC, [RATES, [0.1, 0.2, 2.0]], t_end=50.0)
     ax = points.plot("gamma1", "omega3")
     (drawn,) = ax.collections
     np.testing.assert_array_equal(
@@ -410,7 +406,7 @@ def test_a_picture_has_one_colour_for_each_class() -> None:
 
 
 def test_a_file_has_the_points(tmp_path: Path) -> None:
-    points = rigid.poincare(ASYMMETRIC, [0.3, 0.4, 1.0], t_end=20.0)
+    points = rigid.poincare(ASYMMETRIC, RATES, t_end=20.0)
     with np.load(points.save(tmp_path / "points.npz")) as file:
         for name in (
             "t",
@@ -429,9 +425,6 @@ def test_a_file_has_the_points(tmp_path: Path) -> None:
 # Sections of equal times: states at the multiples of a period
 
 
-TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
-
-
 def test_a_symmetric_free_body_comes_back_in_each_period_of_its_rates() -> None:
     """In the body the rates go round axis 3 at ``(I3 - I1) w3 / I1``."""
     body, omega = rigid.Body((1.0, 1.0, 1.5)), np.array([[0.3, 0.0, 1.2], [0.0, -0.1, 0.8]])
@@ -446,11 +439,11 @@ def test_a_symmetric_free_body_comes_back_in_each_period_of_its_rates() -> None:
 
 
 def test_points_are_the_states_of_a_run() -> None:
-    starts = np.array([[0.3, 0.4, 1.0], [0.1, 0.2, 2.0]])
-    points = rigid.poincare(TOP, starts, every=0.7, t_end=7.0)
+    starts = np.array([RATES, [0.1, 0.2, 2.0]])
+    points = rigid.poincare(ASYMMETRIC, starts, every=0.7, t_end=7.0)
     assert repr(points) == "<Crossings: 20 points of 2 bodies, every 0.7 s; complete>"
     t = 0.7 * np.arange(1, 11)
-    run: Any = rigid.simulate(TOP, starts, t=t, method="dop853", step=0.01, check=False)
+    run: Any = rigid.simulate(ASYMMETRIC, starts, t=t, method="dop853", step=0.01, check=False)
     # The errors of the other method.
     np.testing.assert_allclose(points.omega, run.omega.reshape(-1, 3), atol=1e-9)
     np.testing.assert_allclose(points.gamma, run.gamma.reshape(-1, 3), atol=1e-9)
@@ -460,7 +453,7 @@ def test_points_are_the_states_of_a_run() -> None:
     assert (points.error < 1e-11).all()
     assert points.reasons() == ("complete: 10 points until t = 7 s",) * 2
     np.testing.assert_array_equal(
-        rigid.poincare(TOP, starts[0], every=0.7, t_end=7.0, count=3).omega, points.omega[:3]
+        rigid.poincare(ASYMMETRIC, starts[0], every=0.7, t_end=7.0, count=3).omega, points.omega[:3]
     )
 
 
@@ -496,7 +489,7 @@ def test_a_moon_at_each_periapsis_is_that_of_its_equation() -> None:
 
 
 def test_a_body_that_was_not_run_is_not_complete(tmp_path: Path) -> None:
-    points = rigid.poincare(TOP, [0.3, 0.4, 1.0], every=1.0, t_end=9.0, max_steps=2, check=False)
+    points = rigid.poincare(ASYMMETRIC, RATES, every=1.0, t_end=9.0, max_steps=2, check=False)
     assert not points.complete
     assert len(points) == 0
     assert points.reasons()[0].startswith("step limit")
@@ -510,7 +503,7 @@ test_equal_times_that_are_none = refuses(
         ({"every": 8.0}, r"every = 8: must not be above t_end = 7"),
         ({"every": 1.0, "section": "gamma3"}, "section = 'gamma3': leave it out beside every"),
     ],
-    by=lambda more: rigid.poincare(TOP, [0.3, 0.4, 1.0], t_end=7.0, **more),
+    by=lambda more: rigid.poincare(ASYMMETRIC, RATES, t_end=7.0, **more),
 )
 
 
@@ -529,14 +522,14 @@ SURFACES = {
 @pytest.mark.parametrize("name", SURFACES)
 def test_starts_have_energy_momentum_surface_and_direction(name: str) -> None:
     surface = SURFACES[name]
-    omega, attitude = rigid.top.on_surface(TOP, 2.0, 0.4, 200, section=surface, rng=1)
+    omega, attitude = rigid.top.on_surface(ASYMMETRIC, 2.0, 0.4, 200, section=surface, rng=1)
     assert omega.shape == (200, 3)
     assert attitude.shape == (200, 4)
-    known = rigid.top.heavy_constants(TOP, omega, attitude)
+    known = rigid.top.heavy_constants(ASYMMETRIC, omega, attitude)
     np.testing.assert_allclose(known.energy, 2.0, rtol=0.0, atol=1e-14)
     np.testing.assert_allclose(known.p_phi, 0.4, rtol=0.0, atol=1e-14)
-    run: Any = rigid.simulate(TOP, omega, attitude, t=[0.0, 1e-6])
-    normals = surface.normals(TOP, np.tile(TOP.weight, (200, 1)))
+    run: Any = rigid.simulate(ASYMMETRIC, omega, attitude, t=[0.0, 1e-6])
+    normals = surface.normals(ASYMMETRIC, np.tile(ASYMMETRIC.weight, (200, 1)))
     of_omega, of_gamma = normals[:, np.newaxis, :3], normals[:, np.newaxis, 3:]
     height = np.cross(run.gamma, run.omega) if surface.is_height else run.gamma
     values = np.sum(of_omega * run.omega + of_gamma * height, axis=-1) - surface.value
@@ -549,30 +542,33 @@ def test_starts_have_energy_momentum_surface_and_direction(name: str) -> None:
 
 def test_the_same_key_gives_the_same_starts() -> None:
     first, second, other = (
-        rigid.top.on_surface(TOP, 2.0, 0.4, 20, rng=key)[0] for key in (1, 1, 2)
+        rigid.top.on_surface(ASYMMETRIC, 2.0, 0.4, 20, rng=key)[0] for key in (1, 1, 2)
     )
     np.testing.assert_array_equal(first, second)
     assert (first != other).any()
     # More starts begin with the same ones.
-    np.testing.assert_array_equal(rigid.top.on_surface(TOP, 2.0, 0.4, 30, rng=1)[0][:20], first)
+    np.testing.assert_array_equal(
+        rigid.top.on_surface(ASYMMETRIC, 2.0, 0.4, 30, rng=1)[0][:20], first
+    )
 
 
 def test_the_least_energy_is_that_of_a_permanent_rotation() -> None:
     # Hanging: without momentum the centre of mass is lowest.
-    assert least_energy(TOP, 0.0) == pytest.approx(-1.2, abs=1e-15)
-    # A symmetric top hanging or not, about its own axis: the better of rotations about the
-    # vertical with the axis at every tilt.
-    top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
-    u = np.linspace(-1.0, 1.0, 2_000_001)
-    for momentum in (0.5, 1.0, 3.0):
-        known = (u + 0.5 * momentum**2 / (1.0 - u**2 + 0.5 * u**2)).min()
-        assert least_energy(top, momentum) == pytest.approx(known, abs=1e-12)
+    assert least_energy(ASYMMETRIC, 0.0) == pytest.approx(-1.2, abs=1e-15)
+    # A symmetric top, whose rotations about the vertical have the axis at a tilt of cosine u: the
+    # energy u + L²/2 (1 - u²/2) is least where its derivative is zero, or at an end.
+    for momentum in (0.5, 1.0, 3.0, 30.0):
+        roots = np.roots([0.25, 0.0, -1.0, 0.5 * momentum**2, 1.0])
+        u = np.concatenate([roots.real[np.abs(roots.imag) < 1e-9], [-1.0, 1.0]])
+        u = u[np.abs(u) <= 1.0]
+        known = (u + 0.5 * momentum**2 / (1.0 - 0.5 * u**2)).min()
+        assert least_energy(LAGRANGE, momentum) == pytest.approx(known, rel=1e-15, abs=1e-15)
 
 
 def test_little_above_the_least_energy_there_are_starts() -> None:
-    least = least_energy(TOP, 0.4)
-    omega, attitude = rigid.top.on_surface(TOP, least + 1e-2, 0.4, 10, rng=1)
-    known = rigid.top.heavy_constants(TOP, omega, attitude)
+    least = least_energy(ASYMMETRIC, 0.4)
+    omega, attitude = rigid.top.on_surface(ASYMMETRIC, least + 1e-2, 0.4, 10, rng=1)
+    known = rigid.top.heavy_constants(ASYMMETRIC, omega, attitude)
     np.testing.assert_allclose(known.energy, least + 1e-2, rtol=0.0, atol=1e-14)
 
 
@@ -591,7 +587,6 @@ def test_verticals_of_a_high_energy_are_even() -> None:
 # Refusals
 
 
-RATES = [0.3, 0.4, 1.0]
 LIGHT = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=[1.2, 0.0])
 
 test_bad_input_is_refused_with_its_rule = refuses(
@@ -619,24 +614,27 @@ test_bad_input_is_refused_with_its_rule = refuses(
             "section = 'height': a body without weight",
         ),
         (
-            lambda: rigid.poincare(TOP, RATES, t_end=1.0, method="dop853"),
+            lambda: rigid.poincare(ASYMMETRIC, RATES, t_end=1.0, method="dop853"),
             "method = 'dop853': only a Taylor method is a polynomial inside its steps",
         ),
         (
             lambda: rigid.poincare(BOX, RATES, section="gamma1", t_end=1.0, method="exact"),
             "method = 'exact': only a Taylor method",
         ),
-        (lambda: rigid.poincare(TOP, RATES, t_end=0.0), "t_end = 0.0: must be positive"),
-        (lambda: rigid.poincare(TOP, RATES, t_end=1.0, count=0), "count = 0: must be at least"),
+        (lambda: rigid.poincare(ASYMMETRIC, RATES, t_end=0.0), "t_end = 0.0: must be positive"),
         (
-            lambda: rigid.poincare(TOP, RATES, t_end=1.0, tolerance=2.0),
+            lambda: rigid.poincare(ASYMMETRIC, RATES, t_end=1.0, count=0),
+            "count = 0: must be at least",
+        ),
+        (
+            lambda: rigid.poincare(ASYMMETRIC, RATES, t_end=1.0, tolerance=2.0),
             "tolerance = 2e0: must be positive and below one",
         ),
         (
-            lambda: rigid.top.on_surface(TOP, -1.3, 0.0, 5),
+            lambda: rigid.top.on_surface(ASYMMETRIC, -1.3, 0.0, 5),
             "energy = -1.3: must be at least -1.2 J with l_gamma = 0.0",
         ),
-        (lambda: rigid.top.on_surface(TOP, -1.1, 2.0, 5), "energy = -1.1: must be at least"),
+        (lambda: rigid.top.on_surface(ASYMMETRIC, -1.1, 2.0, 5), "energy = -1.1: must be at least"),
         (
             lambda: rigid.top.on_surface(
                 rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, damping=0.1), 2.0, 0.1, 5
@@ -644,7 +642,9 @@ test_bad_input_is_refused_with_its_rule = refuses(
             "a surface of one energy needs a scene without damping",
         ),
         (
-            lambda: rigid.top.on_surface(TOP, 2.0, 0.4, 5, section=rigid.section("omega3", 50.0)),
+            lambda: rigid.top.on_surface(
+                ASYMMETRIC, 2.0, 0.4, 5, section=rigid.section("omega3", 50.0)
+            ),
             "section: 0 of .* random verticals have a crossing",
         ),
         (
@@ -681,7 +681,7 @@ test_bad_input_is_refused_with_its_rule = refuses(
             "of = 'gamma': the run has no gamma",
         ),
         (
-            lambda: rigid.poincare(TOP, RATES, t_end=1.0).component("energy"),
+            lambda: rigid.poincare(ASYMMETRIC, RATES, t_end=1.0).component("energy"),
             "name = 'energy': must be one of",
         ),
     ]
@@ -690,8 +690,8 @@ test_bad_input_is_refused_with_its_rule = refuses(
 
 def test_another_type_is_refused() -> None:
     with pytest.raises(TypeError, match=r"section = 3: must be made by rigid\.section"):
-        rigid.poincare(TOP, RATES, section=3, t_end=1.0)  # type: ignore[arg-type]
+        rigid.poincare(ASYMMETRIC, RATES, section=3, t_end=1.0)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match=r"section = 3: must be made by rigid\.section"):
-        rigid.top.on_surface(TOP, 2.0, 0.4, 5, section=3)  # type: ignore[arg-type]
+        rigid.top.on_surface(ASYMMETRIC, 2.0, 0.4, 5, section=3)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="run = 3: must be a Run"):
         rigid.frequency_drift(3)  # type: ignore[arg-type]
