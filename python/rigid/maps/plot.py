@@ -400,7 +400,7 @@ def fine_curves(view: View) -> tuple[tuple[Axis, ...], tuple[Curve, ...]]:
     )
     try:
         theory = predict(spec.replace(axes=axes, method=AUTO, refine=None, budget=None))
-    except ValueError:  # an edge is no value: beside a moment of zero the body is a rod
+    except ValueError:  # an edge is no value, such as the moment of a rod that would spin
         return view.axes, view.theory.curves
     drawn = tuple(axis for k, axis in enumerate(axes) if k not in view.at)
     shape = tuple(len(axis.values) for axis in reversed(drawn))

@@ -66,7 +66,7 @@ def flat_spin(spec: MapSpec) -> Predicted | None:
     moments, omega, size = grid.moments, grid.omega, grid.omega_size
     across = [(tested + 1) % 3, (tested + 2) % 3]
     spin = np.abs(omega[:, tested])
-    known = grid.possible & (np.abs(omega).sum(axis=1) == spin) & (spin > 0.0)
+    known = grid.possible & (np.abs(omega).sum(axis=1) == spin)  # at rest the times are NaN
     known &= (moments[:, across] > moments[:, [tested]]).all(axis=1)
     order = [tested, *across]
     sinks = np.array(sink.coefficient)[order]

@@ -333,6 +333,7 @@ def test_a_map_of_impossible_bodies_only() -> None:
     assert result.samples.sum() == 0
     assert result.theory() is None
     assert "2 impossible pixels" in result.summary()
+    assert "worst drift energy unknown, momentum unknown" in result.summary()
     assert result.plan.why == ("no pixel has a possible body: nothing is done",)
 
 

@@ -297,6 +297,34 @@ def test_a_line_of_theory_reaches_the_edges_that_are_values() -> None:
     assert np.abs(damping - onset[:, 1]).max() < 0.05 * 5e-4
 
 
+def test_a_line_of_theory_ends_at_the_pixels_where_no_body_is_beyond_them() -> None:
+    # At the lower edge the moment is zero: such a body is a rod, which cannot spin about its axis.
+    axes = {"I3": [0.25, 0.75, 1.25], "spin": np.linspace(1.0, 10.0, 8)}
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    start = rigid.Start(spin=3.0, tilt=0.1)
+    asked: dict[str, Any] = {"scene": top, "start": start, "stable": rigid.tilt_below(0.5)}
+    drawn = curve_of(pretended(spec_of(**asked, axes=axes)).plot())
+    assert (drawn[:, 0].min(), drawn[:, 0].max()) == (0.25, 1.25)
+
+
+def test_a_body_that_has_left_is_shown_with_the_time() -> None:
+    """As a picture of its rates with a line and a word, where a stable body has rates alone."""
+    result = small_map(axes={"noise": [1e-3, 1e-2]}, t_end=30.0)
+    words: dict[str, list[str]] = {}
+
+    def drawn(draw: Callable[[Any], object], text: str, **_: Any) -> str:
+        ax = Figure().add_subplot()
+        draw(ax)
+        words[text.partition(";")[2].split()[0]] = [one.get_text() for one in ax.texts]
+        return text
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rigid.maps.replay.html_with_picture", drawn)
+        for sample in range(20):
+            result.replay(0, sample)._repr_html_()
+    assert words == {"stable;": [], "unstable": ["left"]}
+
+
 def test_a_line_of_theory_belongs_to_its_slice() -> None:
     tilts, moments = np.linspace(0.0, 1.2, 11), [1.6, 2.0]
     axes = {"I2": np.linspace(1.5, 2.4, 13), "tilt": tilts, "I3": moments}

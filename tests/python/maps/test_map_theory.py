@@ -468,6 +468,15 @@ def test_disagreement_is_a_prediction_outside_the_interval() -> None:
     np.testing.assert_array_equal(result.disagreement(pretended), expected)
 
 
+def test_horizons_beyond_the_law_of_the_middle_axis_have_the_separatrix_alone() -> None:
+    theory = prediction(
+        axes={"tilt": [0.0, 1.2], "t_end": [15.0, 500.0]},
+        start=rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.01)),
+    )
+    assert theory.label.endswith("the middle axis, and so for the other horizons and limits")
+    np.testing.assert_array_equal(np.isnan(theory.share), [[False, False], [True, False]])
+
+
 @pytest.mark.parametrize("band", [1, 50, 2**16])
 def test_agreement_counted_in_bands_is_that_of_the_whole_map(
     band: int, monkeypatch: pytest.MonkeyPatch

@@ -113,6 +113,14 @@ def test_a_map_without_a_border_stays_coarse() -> None:
     assert (result.filled == 1.0).all()
 
 
+def test_a_refined_map_that_is_stopped_says_so() -> None:
+    def stop(progress: rigid.Progress) -> None:
+        raise KeyboardInterrupt
+
+    partial = small_map(**GRID, refine=8, progress=stop, partial=True)
+    assert " pixels (stopped early)" in partial.summary()
+
+
 def test_maps_of_one_axis_are_refined() -> None:
     axes = {"I2/I1": np.linspace(1.01, 1.99, 65)}
     start = rigid.Start(spin=1.0, noise=rigid.normal(3e-3))

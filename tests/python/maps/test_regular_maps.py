@@ -8,6 +8,7 @@ import pytest
 import rigid
 from refusals import refuses
 from rigid import _core
+from rigid.drawing.figure import html_text
 
 COM = np.array([0.3, 0.2, 0.93]) / np.linalg.norm([0.3, 0.2, 0.93])
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=COM)
@@ -15,6 +16,7 @@ KOVALEVSKAYA = rigid.HeavyTop(rigid.Body((2.0, 2.0, 1.0)), mgl=1.0, com=(1.0, 0.
 LAGRANGE = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
 BOX = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
 SPIN = rigid.Start(spin=0.0)
+SPINS = {"spin": [1.0, 3.0]}
 
 
 def regular_map(scene: Any = TOP, **options: Any) -> rigid.StabilityMap:
@@ -144,6 +146,7 @@ def test_it_is_the_growth_that_lyapunov_measures() -> None:
         assert growth.exponent[at] == body.exponent
         assert growth.mean_megno[at] == body.mean_megno
         assert growth.verdict == verdicts[body.outcome]
+        assert body._repr_html_() == html_text(repr(body))  # a picture is of rates alone
         assert body.exponent == found.largest_exponent.flat[pixel]
         assert body.exponent == pytest.approx(found.exponent.flat[pixel], abs=1e-8)
 
@@ -158,7 +161,7 @@ def test_both_norms_agree_on_what_is_chaotic() -> None:
 def test_damping_makes_every_motion_regular() -> None:
     """A top comes to rest, hanging: no deviation vector grows for ever."""
     damped = rigid.HeavyTop(TOP.body, mgl=1.2, com=COM, damping=0.1)
-    found = regular_map(damped, axes={"spin": [1.0, 3.0]}, start=rigid.Start(spin=0.0, tilt=2.0))
+    found = regular_map(damped, axes=SPINS, start=rigid.Start(spin=0.0, tilt=2.0))
     assert found.unstable.sum() == 0
     assert found.exact.sum() == 0
     body = found.replay(0, 0)
@@ -308,6 +311,10 @@ test_a_rule_that_means_nothing_is_refused = refuses(
 test_what_no_map_of_growth_has = refuses(
     [
         (lambda: regular_map(method="midpoint"), "method = 'midpoint': has no tangent"),
+        (
+            lambda: regular_map(axes=SPINS, t_end=10.0).replay(0, 0, t=[0.0]),
+            "t: must be positive times",
+        ),
         (lambda: regular_map(method="exact"), "no closed form of regular for the body of pixel"),
         (lambda: regular_map(BOX, axes={"com_tilt": [0.1]}), "a free body feels no weight"),
         (lambda: regular_map(BOX, axes={"com_turn": [0.1]}), "a free body feels no weight"),

@@ -268,7 +268,8 @@ def test_a_flat_spin_is_predicted_only_where_nothing_but_the_sink_acts_on_a_spin
             spec_of(scene=scene, axes=axes, start=start, stable=rigid.no_flip(1), t_end=50.0)
         )
 
-    assert predicted() is not None
+    theory: Any = predicted(axes={"spin": [0.0, 1.0]})
+    np.testing.assert_array_equal(theory.share, [np.nan, 1.0])
     assert predicted(orbit=rigid.Orbit(0.5)) is None
     assert predicted(drag=0.01) is None
     assert predicted(axes={"dissipation": [0.01, 0.02]}) is None
