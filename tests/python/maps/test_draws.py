@@ -142,12 +142,6 @@ def test_uniform_attitudes_are_those_of_shoemake(seed: int) -> None:
     )
 
 
-def test_both_words_of_the_key_count() -> None:
-    seeds = (5, 5 + (1 << 64), 5 << 64, 6)
-    starts = {drawn("omega", rates="uniform", seed=seed).tobytes() for seed in seeds}
-    assert len(starts) == len(seeds)
-
-
 def test_the_law_of_the_rates_changes_no_attitude_and_the_other_way_round() -> None:
     laws = ("none", "normal", "uniform", "direction")
     attitudes = {
@@ -164,37 +158,6 @@ def test_no_law_leaves_the_nominal_start() -> None:
     np.testing.assert_array_equal(drawn("omega"), np.repeat(OMEGA[:, None], SAMPLES, axis=1))
     nominal = NOMINAL.as_quat(scalar_first=True)[:, None]
     np.testing.assert_array_equal(drawn("attitude"), np.repeat(nominal, SAMPLES, axis=1))
-
-
-def test_samples_do_not_depend_on_their_number() -> None:
-    few, many = (drawn("omega", samples, rates="normal") for samples in (2, 1000))
-    np.testing.assert_array_equal(few, many[:, :2])
-
-
-def test_replay_starts_where_numpy_says() -> None:
-    seed = 2**64 + 5
-    result = small_map(
-        rigid.HeavyTop,
-        axes={"spin": [4.0, 5.0], "mgl": [1.0, 1.5]},
-        start=rigid.Start(
-            spin=5.0, noise=rigid.uniform(0.5), attitude_noise=rigid.uniform_attitude()
-        ),
-        stable=rigid.tilt_below(1.0),
-        samples=3,
-        t_end=0.1,
-        rng=seed,
-    )
-    for y, x, sample in ((0, 0, 0), (0, 1, 2), (1, 0, 1)):
-        body = result.replay((y, x), sample)
-        pixel = 2 * y + x
-        philox = np.random.Philox(key=seed, counter=[RATES, sample, pixel, 0])
-        deviates = 2.0 * np.random.Generator(philox).random(4)[:3] - 1.0
-        nominal = np.array([0.0, 0.0, result.spec.axes[0].values[x]])
-        assert body.omega.tolist() == (0.5 * deviates + nominal).tolist()  # 0.5 * is exact
-        philox = np.random.Philox(key=seed, counter=[ATTITUDE, sample, pixel, 0])
-        u = np.random.Generator(philox).random(4)
-        w = np.sqrt(1.0 - u[0]) * np.sin(2.0 * np.pi * u[1])
-        assert body.attitude[0] == pytest.approx(w, rel=4.0 * EPS)
 
 
 def test_a_generator_and_a_seed_sequence_give_128_bits() -> None:
@@ -272,26 +235,6 @@ def test_samples_are_added_to_the_nominal_start() -> None:
     expected = quaternion_product(nominal, attitude)
     # A product of unit quaternions: three roundings, and that of the nominal one.
     np.testing.assert_allclose(starts.attitude[0], expected, atol=1e-15)
-
-
-def test_bodies_of_one_energy_are_stable_as_each_is_alone() -> None:
-    omega, attitude = rigid.top.on_surface(TOP, energy=2.0, l_gamma=0.4, count=30, rng=1)
-    given = rigid.samples(omega, attitude, in_order=True)
-    result = small_map(
-        TOP,
-        axes={"t_end": [3.0]},
-        start=rigid.Start(omega=(0.0, 0.0, 0.0), noise=given),
-        stable=rigid.tilt_below(2.3),
-        samples=30,
-        method="auto",
-    )
-    t = np.linspace(0.0, 3.0, 3001)
-    gamma: Any = rigid.simulate(TOP, omega, attitude, t=t, method="dop853").gamma
-    largest = np.arccos(np.clip(gamma[..., 2], -1.0, 1.0)).max(axis=-1)
-    clear = abs(largest - 2.3) > 1e-3
-    assert clear.all()
-    assert result.stable.item() == (largest < 2.3).sum()
-    assert 0 < result.stable.item() < 30
 
 
 # Normal noise with a covariance: the draws are NumPy's, and have the covariance.

@@ -273,6 +273,7 @@ def test_a_default_axis_is_that_of_the_bodies_of_all_pixels() -> None:
 
 
 SOLID = (0.9, 1.2, 1.4)
+COUNT = 32
 
 #: Limits that some bodies pass.
 LEFT: dict[str, Criterion] = {
@@ -306,7 +307,7 @@ def mapped(
         "start": rigid.Start(
             omega=(0.1, 0.2, 0.8), noise=rigid.normal(0.3), attitude_noise=rigid.uniform_attitude()
         ),
-        "samples": 48,
+        "samples": COUNT,
         "check": 0.0,
     }
     return small_map(scene, stable=stable, method=method, **{**chosen, **options})
@@ -315,10 +316,10 @@ def mapped(
 @pytest.mark.parametrize("e", [0.0, 0.3])
 @pytest.mark.parametrize("name", LEFT)
 def test_bodies_leave_when_they_do_in_the_time(name: str, e: float) -> None:
-    exact = mapped(e, LEFT[name], **IN_TIME).outcomes(range(48))
-    assert (exact.outcome[0] == "unstable").sum() > 8
+    exact = mapped(e, LEFT[name], **IN_TIME).outcomes(range(COUNT))
+    assert (exact.outcome[0] == "unstable").sum() > COUNT / 6
     for method in ("auto", "dop853"):
-        found = mapped(e, LEFT[name], method).outcomes(range(48))
+        found = mapped(e, LEFT[name], method).outcomes(range(COUNT))
         np.testing.assert_array_equal(found.outcome, exact.outcome)
         # Default steps err by 1e-8 rad for each rad, by default; tumbling magnifies that.
         allowed = 1e-4 if method == "auto" else 1e-8
@@ -331,7 +332,7 @@ def test_a_chosen_dop853_is_checked_by_half_its_steps() -> None:
         int(mapped(0.3, LEFT["libration"], "dop853", check=check).columns["steps"].sum())
         for check in (0.0, 1.0)
     )
-    assert 2 * first - 48 * 2 * 16 < both - first <= 2 * first
+    assert 2 * first - COUNT * 2 * 16 < both - first <= 2 * first
 
 
 @pytest.mark.parametrize("e", [0.0, 0.3])
@@ -349,8 +350,8 @@ def test_a_chosen_dop853_is_checked_by_half_its_steps() -> None:
 )
 def test_measures_are_those_in_the_time(measure: Measure, e: float) -> None:
     options: dict[str, Any] = {"measure": [measure], "axes": {"t_end": [12.0]}}
-    exact = mapped(e, rigid.no_flip(3), **IN_TIME, **options).outcomes(range(48))
-    found = mapped(e, rigid.no_flip(3), "dop853", **options).outcomes(range(48))
+    exact = mapped(e, rigid.no_flip(3), **IN_TIME, **options).outcomes(range(COUNT))
+    found = mapped(e, rigid.no_flip(3), "dop853", **options).outcomes(range(COUNT))
     (one,), (same,) = exact.measures.values(), found.measures.values()
     # An angle near pi has half of its digits.
     far = np.abs(np.asarray(one) - np.pi) > 1e-3
@@ -373,12 +374,6 @@ def test_a_body_that_becomes_faster_than_its_bound_begins_again() -> None:
     assert not result.failed.any()
     # The length of the quaternion of a body whose steps are too long shrinks.
     assert (result.unit_drift < 1e-5).all()
-
-
-def test_a_map_on_an_orbit_says_how_it_steps() -> None:
-    result = mapped(0.3, rigid.no_flip(3), "auto", check=1.0)
-    assert result.plan.method == "dop853"
-    assert "cross-checked by dop853" in result.summary()
 
 
 def test_drifts_are_those_of_the_jacobi_integral() -> None:

@@ -36,23 +36,10 @@ def tops(**options: Any) -> rigid.StabilityMap:
 # Run again
 
 
-def test_a_specification_runs_again(tmp_path: Path) -> None:
-    result = small_map()
-    loaded = rigid.load_map(result.save(tmp_path / "old.npz"))
-    more = rigid.stability_map(loaded.spec.replace(samples=25), progress=False)
-    assert_same_map(more, small_map(samples=25))
-
-
 def test_a_map_of_an_older_version_is_run_by_this_one() -> None:
     spec = dataclasses.replace(spec_of(samples=1), version="0.0.1")
     again = rigid.stability_map(spec, progress=False).spec
     assert again == dataclasses.replace(spec, version=rigid.__version__)
-
-
-def test_axes_are_replaced_by_names_and_values() -> None:
-    spec = spec_of().replace(axes={"spin": [1.0, 2.0]})
-    assert [axis.name for axis in spec.axes] == ["spin"]
-    assert spec.shape == (2,)
 
 
 def test_the_command_runs_a_result_again(

@@ -168,6 +168,11 @@ def test_maps_of_three_and_four_axes(count: int, tmp_path: Path) -> None:
         assert f"\n{name} " in summary
 
 
+def test_a_map_may_have_as_many_axes_as_an_array() -> None:
+    names = [f"k{number}" for number in range(32)]
+    assert len(make_axes({name: [1.0] for name in names}, names)) == 32
+
+
 def test_ratios_follow_each_other_along_three_axes() -> None:
     axes: dict[str, Any] = {"I1/I2": [0.5], "I2/I3": [0.8], "I3": [2.0]}
     for order in ((0, 1, 2), (2, 1, 0), (1, 0, 2), (1, 2, 0)):
