@@ -70,6 +70,11 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "np.ptp(steps) <= 1e-06 * abs(steps[0]) -> np.ptp(steps) < 1e-06 * abs(steps[0])",
     ): "no steps scatter by the tolerance to the last bit",
     (
+        "maps/axes.py",
+        "return bool(np.ptp(steps) <= 1e-6 * abs(steps[0]))",
+        "0 -> 1",
+    ): "steps that agree to a millionth have one size to a millionth",
+    (
         "maps/sequential.py",
         "bound = (1.3 / half_width) ** 2 + 4 * LOOK",
         "1.3 -> 2.3",

@@ -1,11 +1,15 @@
 """A moon whose long axis turns in the plane of its orbit, by SciPy."""
 
 import math
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
+
+import rigid
 
 Floats = NDArray[np.float64]
 
@@ -39,3 +43,14 @@ def planar(
         change, (0.0, t_end), [theta, rate, eccentric], "DOP853", t, rtol=1e-12, atol=1e-12
     )
     return t, found.y[0], found.y[0] - true(found.y[2])
+
+
+def beginning_so(starts: Sequence[tuple[float, float]]) -> rigid.Start:
+    """The start of a map whose bodies have these angles of axis 1 and rates, in order."""
+    angles, rates = np.array(starts).T
+    given = rigid.samples(
+        omega=np.stack([0.0 * rates, 0.0 * rates, rates], axis=-1),
+        attitude=Rotation.from_euler("z", angles[:, np.newaxis]).as_quat(scalar_first=True),
+        in_order=True,
+    )
+    return rigid.Start(omega=(0.0, 0.0, 0.0), noise=given)

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import rigid
-from planar_moons import MOMENTS, Floats, planar
+from planar_moons import MOMENTS, Floats, beginning_so, planar
 from refusals import refuses
 from rigid.model.criterion import Criterion
 from rigid.model.measures import Measure
@@ -21,16 +21,10 @@ def in_plane(
     starts: list[tuple[float, float]], e: float, *, anomaly: float = 0.0, **options: Any
 ) -> rigid.StabilityMap:
     """One pixel with these angles and rates of axis 1 in the plane of the orbit."""
-    angles, rates = np.array(starts).T
-    given = rigid.samples(
-        omega=np.stack([0.0 * rates, 0.0 * rates, rates], axis=-1),
-        attitude=Rotation.from_euler("z", angles[:, np.newaxis]).as_quat(scalar_first=True),
-        in_order=True,
-    )
     scene = rigid.FreeBody(rigid.Body(MOMENTS), orbit=rigid.Orbit(1.0, e, anomaly))
     chosen: dict[str, Any] = {
         "axes": {"t_end": [40.0]},
-        "start": rigid.Start(omega=(0.0, 0.0, 0.0), noise=given),
+        "start": beginning_so(starts),
         "stable": rigid.librates(),
         "samples": len(starts),
         "method": "auto",

@@ -1,7 +1,9 @@
 """The picture of a map: what is drawn is what was computed, where it belongs, and named."""
 
+import base64
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -15,8 +17,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 
 import rigid
+from pages import content
 from processes import python_process
 from rigid.drawing.along import SIZE, _broken, write_along
+from rigid.maps import page
 from rigid.maps.contours import zero_lines
 from rigid.maps.data import STORED
 from rigid.maps.page import content_of_map
@@ -136,6 +140,20 @@ def test_pictures_and_pages_without_a_title_are_named_after_their_scene() -> Non
         title = result.plot().get_title(loc="left").splitlines()[0]
         assert title == f"Stability of a {name}"
         assert content_of_map(result, 1)["title"] == title
+
+
+def test_a_page_has_as_many_bodies_as_fit_into_its_bytes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Their starts too, if it cannot draw them; MOST_BYTES counts what is compressed."""
+    start = rigid.Start(spin=1.0, axis=2, noise=rigid.normal(cov=1e-2 * np.eye(3)))
+    axes = {"I2/I1": np.linspace(1.1, 1.9, 9), "spin": np.linspace(1.0, 2.0, 8)}
+    result = small_map(axes=axes, start=start, samples=64)
+    monkeypatch.setattr(page, "MOST_BYTES", 40_000)
+    held = content(result.explore(tmp_path / "map.html"))
+    texts = [held[name]["data"] for name in ("omega", "attitude", "outcome", "left")]
+    size = sum(len(base64.b64decode(text)) for text in texts)
+    assert 0.8 * page.MOST_BYTES < size <= page.MOST_BYTES
 
 
 def test_one_body_in_a_pixel_has_a_class_and_a_refined_map_has_shares_too() -> None:

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 import rigid
 from free_motions import slowing_ball
 from physics import Floats
-from planar_moons import MOMENTS, planar
+from planar_moons import MOMENTS, beginning_so, planar
 from refusals import refuses
 from rigid.rotations import quaternion_to_matrix
 from small_maps import small_map
@@ -143,16 +143,10 @@ def test_angles_are_those_of_a_fine_motion(where: str, of: str, axes: tuple[int,
 @pytest.mark.parametrize("e", [0.0, 0.3])
 def test_pitch_of_a_motion_in_the_plane_is_its_libration(e: float) -> None:
     starts = [(0.0, 1.1), (0.3, 1.3), (-0.4, 0.7), (0.2, 0.9), (0.0, 1.3)]
-    theta, rate = np.array(starts).T
-    given = rigid.samples(
-        omega=np.stack([0.0 * rate, 0.0 * rate, rate], axis=-1),
-        attitude=Rotation.from_euler("z", theta[:, np.newaxis]).as_quat(scalar_first=True),
-        in_order=True,
-    )
     result = small_map(
         rigid.FreeBody(rigid.Body(MOMENTS), orbit=rigid.Orbit(1.0, e)),
         axes={"t_end": [20.0]},
-        start=rigid.Start(omega=(0.0, 0.0, 0.0), noise=given),
+        start=beginning_so(starts),
         stable=rigid.pitch_within(0.6),
         measure=[rigid.largest_pitch(), rigid.largest_roll(), rigid.time_to_settle(0.3, "pitch")],
         samples=len(starts),
