@@ -1,5 +1,6 @@
 """Free bodies and their paths; moments and tops at random."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,20 @@ def path(body: ArrayLike, omega: ArrayLike, t: ArrayLike, start: ArrayLike | Non
     """A free motion by closed form: rates and matrices body to space."""
     run = rigid.simulate(rigid.FreeBody(rigid.Body(body)), omega, start, t=t, method="exact")
     return run.omega, rotation_matrix(present(run.attitude))
+
+
+def of_jacobi(moments: Floats, omega: Floats) -> tuple[float, float, float]:
+    """Parameter and rate of the Jacobi functions of a free body, and ``2 E I3 - L²``.
+
+    Moments ascend (Landau and Lifshitz, Mechanics, § 37).
+    """
+    i1, i2, i3 = moments
+    w1, w2, w3 = omega
+    above = i2 * (i2 - i1) * w2**2 + i3 * (i3 - i1) * w3**2  # L² - 2 E I1
+    below = i1 * (i3 - i1) * w1**2 + i2 * (i3 - i2) * w2**2
+    first, second = (i3 - i2) * above, (i2 - i1) * below
+    square = max(first, second)  # the larger one belongs to the axis about which the body turns
+    return min(first, second) / square, math.sqrt(square / (i1 * i2 * i3)), below
 
 
 def tops_at_random(

@@ -10,6 +10,7 @@ from scipy.special import betaincinv, ellipk, ellipkinc
 from scipy.stats import binom, binomtest
 
 import rigid
+from free_motions import of_jacobi
 from refusals import refuses
 from rigid import _core
 from rigid.maps.data import CONFIDENCE, interval
@@ -162,11 +163,8 @@ def first_zero_of_the_middle_rate(moments: Floats, omega: Floats) -> float:
     """
     i1, i2, i3 = moments
     w1, w2, w3 = omega
-    above = i2 * (i2 - i1) * w2**2 + i3 * (i3 - i1) * w3**2  # L² - 2 E I1
-    below = i1 * (i3 - i1) * w1**2 + i2 * (i3 - i2) * w2**2  # 2 E I3 - L²
     assert i3 * (i3 - i2) * w3**2 > i1 * (i2 - i1) * w1**2, "a motion about the smallest axis"
-    m = (i2 - i1) * below / ((i3 - i2) * above)
-    p = math.sqrt((i3 - i2) * above / (i1 * i2 * i3))
+    m, p, below = of_jacobi(moments, omega)
     a1, a2 = math.sqrt(below / (i1 * (i3 - i1))), math.sqrt(below / (i2 * (i3 - i2)))
     phase = math.atan2(w2 / a2, w1 / a1)
     target = 0.0 if phase < 0.0 else 2.0 * float(ellipk(m))
