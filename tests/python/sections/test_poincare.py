@@ -12,7 +12,7 @@ from physics import METHODS, Floats
 from planar_moons import MOMENTS, planar
 from refusals import refuses
 from rigid.rotations import quaternion_to_matrix
-from rigid.sections.starts import least_energy
+from rigid.sections.starts import _Top, least_energy
 from section_scenes import SECTIONED, Sectioned
 
 ASYMMETRIC = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
@@ -563,6 +563,22 @@ def test_the_least_energy_is_that_of_a_permanent_rotation() -> None:
         u = u[np.abs(u) <= 1.0]
         known = (u + 0.5 * momentum**2 / (1.0 - 0.5 * u**2)).min()
         assert least_energy(LAGRANGE, momentum) == pytest.approx(known, rel=1e-15, abs=1e-15)
+
+
+def test_the_search_for_the_least_energy_does_not_creep(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where a fast top lies nearly level, all its headings have nearly one energy."""
+    sizes: list[int] = []
+    effective = _Top.effective
+
+    def counted(top: Any, gamma: Floats) -> Floats:
+        sizes.append(gamma[..., 0].size)
+        return effective(top, gamma)
+
+    monkeypatch.setattr(_Top, "effective", counted)
+    for momentum in (3.0, 30.0):
+        sizes.clear()
+        least_energy(LAGRANGE, momentum)
+        assert sum(sizes) < 20_000  # of millions
 
 
 def test_little_above_the_least_energy_there_are_starts() -> None:
