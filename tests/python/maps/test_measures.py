@@ -187,13 +187,13 @@ def test_times_of_joined_criteria_are_compared() -> None:
     assert "undecided" not in rough_map.summary().split("measured", 1)[1]
 
 
-def test_the_smallest_numbers_keep_their_order() -> None:
+def test_the_smallest_numbers_keep_their_order_and_their_mean() -> None:
     """Those below 2^-1022 share a bin with zero."""
     statistics = _core.MapStatistics(1, 1)
-    statistics.add(0, np.zeros(2, np.uint64), np.array([1e-323, 5e-324]), np.full(2, np.nan))
+    statistics.add(0, np.zeros(2, np.uint64), np.array([1.5e-323, 5e-324]), np.full(2, np.nan))
     (bins,) = statistics.bins()
     found = Measured(rigid.flips(), bins, (1,))
-    assert (found.least[0], found.largest[0]) == (5e-324, 1e-323)
+    assert (found.least[0], found.mean[0], found.largest[0]) == (5e-324, 1e-323, 1.5e-323)
 
 
 @pytest.mark.parametrize(
