@@ -1,5 +1,6 @@
 """Poincaré sections: every point and no other, whatever else is in the call."""
 
+import inspect
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -359,6 +360,13 @@ def test_too_many_steps_and_overflow_have_a_status() -> None:
     assert points.status.tolist() == [rigid.Status.STEP_LIMIT] * 2
     assert not points.complete.any()
     assert points.end[0] < 1e3
+
+
+def test_sections_maps_and_growth_stop_after_as_many_steps_as_motions() -> None:
+    asked = (rigid.poincare, rigid.lyapunov, rigid.MapSpec)
+    limits = {inspect.signature(one).parameters["max_steps"].default for one in asked}
+    assert limits == {10**9}
+    assert "Default: 10**9;" in (rigid.simulate.__doc__ or "")
 
 
 def test_leading_axes_of_bodies_are_kept() -> None:
