@@ -17,13 +17,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 
 import rigid
-from pages import content
+from pages import content, unpacked
 from processes import python_process
 from rigid.drawing.along import SIZE, _broken, write_along
 from rigid.maps import page
 from rigid.maps.contours import zero_lines
 from rigid.maps.data import STORED
 from rigid.maps.page import content_of_map
+from rigid.maps.watched import watched
 from small_maps import Floats, small_map, spec_of
 
 X, Y = np.linspace(1.01, 1.99, 7), np.geomspace(1e-3, 0.1, 5)
@@ -154,6 +155,27 @@ def test_a_page_has_as_many_bodies_as_fit_into_its_bytes(
     texts = [held[name]["data"] for name in ("omega", "attitude", "outcome", "left")]
     size = sum(len(base64.b64decode(text)) for text in texts)
     assert 0.8 * page.MOST_BYTES < size <= page.MOST_BYTES
+
+
+def test_a_page_holds_starts_of_one_energy_where_moments_vary(tmp_path: Path) -> None:
+    """It cannot draw them: the rates of each body follow from its own moments."""
+    result = small_map(
+        axes={"energy": [0.5, 1.0]},
+        start=rigid.Start(spin=1.0, axis=2),
+        vary={"I2": rigid.uniform(0.2)},
+        samples=5,
+    )
+    held = content(result.explore(tmp_path / "map.html"))
+    drawn = result.starts(range(5))
+    assert unpacked(held["omega"]).tobytes() == drawn.omega.tobytes()
+    twice = drawn.parameters["I2"] * drawn.omega[..., 1] ** 2
+    np.testing.assert_allclose(twice, [[1.0] * 5, [2.0] * 5], rtol=1e-15)
+
+
+def test_the_page_watches_returns_from_their_time_on() -> None:
+    (chart, (limit,)), *_ = watched(spec_of(stable=rigid.returns(0.5, after=3.0)))
+    assert (chart["what"], chart["after"]) == ("turn", 3.0)
+    assert (limit == np.degrees(0.5)).all()
 
 
 def test_one_body_in_a_pixel_has_a_class_and_a_refined_map_has_shares_too() -> None:
