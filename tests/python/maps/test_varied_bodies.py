@@ -287,6 +287,15 @@ def test_an_orbit_that_is_nearly_a_parabola_is_drawn_again() -> None:
     assert abs(np.mean(e < 0.95) - 0.7) < 4.0 * np.sqrt(0.7 * 0.3 / 400)
 
 
+def test_a_draw_that_one_of_three_coefficients_cannot_have_is_repeated() -> None:
+    scene = rigid.FreeBody(BOX.body, damping=(0.3, 0.01, 0.3))
+    bodies: Any = rigid.sample_bodies(scene, {"damping": rigid.uniform(0.1)}, 50, rng=SEED)
+    each = np.diagonal(bodies.damping, axis1=1, axis2=2)
+    # All three have one deviation: of -0.01 at least, where the smallest vanishes.
+    np.testing.assert_allclose(each - each[:, 1:2], [[0.29, 0.0, 0.29]] * 50, atol=1e-16)
+    assert 0.0 <= each[:, 1].min() < 0.02
+
+
 def test_every_parameter_of_a_body_can_vary() -> None:
     scenes: dict[str, rigid.FreeBody | rigid.HeavyTop] = {
         "free": rigid.FreeBody(
