@@ -197,8 +197,8 @@ class Bodies:
         of : {"states", "samples", "growth"}
             What the run is for: states, the samples of a map, or the growth of their deviations.
         step : float, optional
-            The longest step of all bodies (s), instead of those of the method; ValueError if damping
-            makes it unstable.
+            The longest step of all bodies (s), instead of those of the method. ValueError if
+            damping makes it unstable.
         """
         longest, time = _core.planned_steps(self, method, _rows_of(span), of, step).T
         return longest, time
