@@ -114,12 +114,14 @@ def test_a_wheel_that_speeds_up_takes_power_from_its_body() -> None:
 
 def test_each_body_has_its_wheel() -> None:
     momenta = np.stack([MOMENTA, -MOMENTA, 0.5 * MOMENTA])
-    many = tables(rigid.RotorTable(KNOTS, momenta))
+    # The core scales each body by a power of two of its own.
+    bodies = rigid.Body(np.outer([1.0, 40.0, 0.03], BODY.moments))
+    many = tables(rigid.RotorTable(KNOTS, momenta), bodies)
     assert many.shape == (3,)
     t = np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 9.0]])
     together = rigid.simulate(many, OMEGA, ATTITUDE, t=t)
     for k in range(3):
-        alone = tables(rigid.RotorTable(KNOTS, momenta[k]))
+        alone = tables(rigid.RotorTable(KNOTS, momenta[k]), bodies[k])
         assert many[k] == alone
         run = rigid.simulate(alone, OMEGA, ATTITUDE, t=t[k])
         np.testing.assert_array_equal(together.omega[k], run.omega)

@@ -409,6 +409,10 @@ test_bad_numbers_are_refused = refuses(
             lambda: rigid.EnergySink.viscous_sphere(0.0, density=1.0, viscosity=1.0),
             "radius = 0.0: must be positive",
         ),
+        (
+            lambda: rigid.EnergySink.viscous_sphere(1e60, density=1.0, viscosity=1.0),
+            "radius = 1e\\+60: the coefficient, inf, leaves the range of doubles",
+        ),
         (lambda: rigid.FreeBody(BODY, rotor=(1.0, 2.0)), r"rotor: expected shape \(..., 3\), got"),
         (
             lambda: rigid.free.jacobi_integral(SCENES["sink"], OMEGA, ATTITUDE, 0.0),

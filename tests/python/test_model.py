@@ -1,0 +1,106 @@
+"""The request of a call: what holds for every criterion, every number of a scene, every body."""
+
+import inspect
+from dataclasses import MISSING, fields
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid.model.criterion import CRITERIA, can_be_left
+from rigid.model.parameters import AT_REST, PLACES, numbers_of
+from rigid.model.sourced import Sourced
+
+
+@pytest.mark.parametrize("name", CRITERIA)
+def test_a_function_that_makes_a_criterion_has_the_defaults_of_its_class(name: str) -> None:
+    of_function = inspect.signature(getattr(rigid, name)).parameters
+    for own in fields(CRITERIA[name]):  # type: ignore[arg-type]
+        known = of_function[own.name].default
+        assert known == (inspect.Parameter.empty if own.default is MISSING else own.default)
+
+
+def test_joined_criteria_are_left_if_one_that_they_need_is_left() -> None:
+    a, b, back = rigid.no_flip(1), rigid.tilt_between(0.1, 0.2), rigid.returns(0.1, after=1.0)
+    for left in (a, a & b, a | ~b, ~(~a & b), ~back, ~(back | ~a)):
+        assert can_be_left(left.logic()), left
+    # A body that has left a criterion does not come back to it.
+    for never in (~a, ~a & ~b, ~(a | b), back, back | ~b, ~(~back & a)):
+        assert not can_be_left(never.logic()), never
+
+
+MOMENTS = np.array([[1.0, 1.5, 2.0], [40.0, 50.0, 60.0]])
+TWO = np.array([0.1, 0.2])
+EACH = np.array([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]])
+SCENES: list[rigid.FreeBody | rigid.HeavyTop] = [
+    rigid.FreeBody(
+        rigid.Body(MOMENTS),
+        torque=rigid.Torque.body(EACH),
+        damping=EACH,
+        dissipation=rigid.EnergySink(EACH),
+        rotor=EACH,
+        drag=EACH,
+        orbit=rigid.Orbit(TWO, TWO, TWO),
+    ),
+    rigid.HeavyTop(rigid.Body(MOMENTS), mgl=TWO, com=[[0.0, 0.6, 0.8], [1.0, 0.0, 0.0]]),
+]
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: type(scene).__name__)
+def test_the_numbers_of_many_bodies_are_those_of_each(scene: Any) -> None:
+    """A body's part of its numbers has the axes that its place says."""
+    places = [name for name in PLACES if _stands_in(scene, name)]
+    assert len(places) > 3
+    together = numbers_of(scene, AT_REST, places, 2)
+    for k in range(2):
+        for name, alone in numbers_of(scene[k], AT_REST, places, 1).items():
+            np.testing.assert_array_equal(together[name][k], alone[0], err_msg=name)
+
+
+def _stands_in(scene: Any, name: str) -> bool:
+    try:
+        numbers_of(scene[0], AT_REST, [name], 1)
+    except (AttributeError, AssertionError, TypeError):
+        return False
+    return True
+
+
+def test_rows_are_bodies_unless_every_body_would_be_a_tensor() -> None:
+    tensor = np.ones((3, 3)) + np.eye(3)
+    with pytest.raises(ValueError, match=r"take rigid\.Body\.from_tensor"):
+        rigid.Body([tensor, tensor])
+    # Ones are three spheres, and as a tensor they would have two moments of zero.
+    assert rigid.Body([tensor, np.ones((3, 3))]).shape == (2, 3)
+    with pytest.raises(ValueError, match=r"moments\[0, 0\] = \(0, 0, 0\)"):
+        rigid.Body([np.zeros((3, 3)), tensor])
+
+
+def test_a_component_of_a_covariance_may_have_no_variance() -> None:
+    assert rigid.normal(cov=np.diag([4.0, 0.0, 1.0])).cov == ((4, 0, 0), (0, 0, 0), (0, 0, 1))
+    with pytest.raises(ValueError, match="cov: must be positive semi-definite"):
+        rigid.normal(cov=[[4.0, 0.0, 0.0], [0.0, 0.0, 1e-9], [0.0, 1e-9, 1.0]])
+
+
+def test_damping_in_the_axes_of_a_drawing_is_symmetric_to_the_bit() -> None:
+    axes = rigid.rotations.quaternion_to_matrix(np.array([0.8, 0.1, 0.5, -0.3]) / np.sqrt(0.99))
+    given = [[0.3, 0.05, -0.1], [0.05, 0.2, 0.02], [-0.1, 0.02, 0.4]]
+    found = np.array(rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), damping=given, frame=axes).damping)
+    assert (found == found.T).all()
+    np.testing.assert_allclose(axes @ found @ axes.T, given, rtol=0.0, atol=4e-16)
+
+
+def test_a_function_without_a_source_is_doubted_unless_it_was_carried() -> None:
+    made: dict[str, Any] = {}
+    exec("def above(states):\n    return states", made)
+    known = Sourced("above", "0" * 64, function=made["above"])
+    assert "its source differs from 'above'" in known.doubt("stable")
+    assert known.given("stable", made["above"], carried=True) == known
+
+
+def test_parts_of_bodies_by_an_index_with_an_ellipsis_are_whole() -> None:
+    body = rigid.Body(np.broadcast_to(MOMENTS, (3, 2, 3)), mass=np.arange(1.0, 7.0).reshape(3, 2))
+    for index in (1, (1, 0), (..., 1), (1, ...), (slice(None), 1), np.array([True, False, True])):
+        places = np.arange(6).reshape(3, 2)[index]
+        np.testing.assert_array_equal(body[index].moments, MOMENTS[places % 2])
+        np.testing.assert_array_equal(body[index].mass, 1.0 + places)
