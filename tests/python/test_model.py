@@ -1,6 +1,7 @@
 """The request of a call: what holds for every criterion, every number of a scene, every body."""
 
 import inspect
+from contextlib import nullcontext
 from dataclasses import MISSING, fields
 from typing import Any
 
@@ -74,20 +75,60 @@ def test_rows_are_bodies_unless_every_body_would_be_a_tensor() -> None:
     assert rigid.Body([tensor, np.ones((3, 3))]).shape == (2, 3)
     with pytest.raises(ValueError, match=r"moments\[0, 0\] = \(0, 0, 0\)"):
         rigid.Body([np.zeros((3, 3)), tensor])
+    # Neither a body: a determinant of zero, and two negative moments.
+    for matrix in ([[1.0, 0.0, 0.5], [0.0, 1.0, 0.5], [0.5, 0.5, 0.5]], np.diag([-1.0, -1.0, 1.0])):
+        with pytest.raises(ValueError, match=r"moments\[0\] = \("):
+            rigid.Body(matrix)
+
+
+def test_a_weight_ends_where_squares_of_its_rates_near_the_largest_double() -> None:
+    body = rigid.Body((1.0, 1.5, 2.0))
+    assert rigid.simulate(rigid.HeavyTop(body, mgl=0.99e153), [0.0, 0.0, 1.0], t=[0.0]).steps == 0
+    with pytest.raises(
+        ValueError, match=r"mgl = 1.01e\+153: must be below 1e\+153 times the least"
+    ):
+        rigid.simulate(rigid.HeavyTop(body, mgl=1.01e153), [0.0, 0.0, 1.0], t=[0.0])
+
+
+LARGE = (10.0, 10.0, 10.0)
+
+
+@pytest.mark.parametrize(
+    ("sides", "mass", "light"),
+    [
+        ((5.0, 5.0, 5.0), 1.5, False),
+        ((5.1, 1.0, 1.0), 0.5, True),
+        (LARGE, 100.0, False),
+        (LARGE, 99.0, True),
+        (LARGE, 1.0, False),
+    ],
+)
+def test_a_large_box_lighter_than_any_solid_has_other_units(
+    sides: tuple[float, float, float], mass: float, light: bool
+) -> None:
+    """Above 5 m and below 0.1 kg/m³; a mass of 1 stands for any."""
+    warns = pytest.warns(UserWarning, match="is lighter than any solid") if light else nullcontext()
+    with warns:
+        rigid.Body.box(*sides, mass=mass)
 
 
 def test_a_component_of_a_covariance_may_have_no_variance() -> None:
     assert rigid.normal(cov=np.diag([4.0, 0.0, 1.0])).cov == ((4, 0, 0), (0, 0, 0), (0, 0, 1))
-    with pytest.raises(ValueError, match="cov: must be positive semi-definite"):
-        rigid.normal(cov=[[4.0, 0.0, 0.0], [0.0, 0.0, 1e-9], [0.0, 1e-9, 1.0]])
+    # Of a single direction, to rounding; and what is more than rounding beside small variances.
+    assert rigid.normal(cov=np.outer([0.1, 0.3, 0.7], [0.1, 0.3, 0.7]))
+    for off, small in ((1e-9, 0.0), (1e-8, 1e-6)):
+        with pytest.raises(ValueError, match="cov: must be positive semi-definite"):
+            rigid.normal(cov=[[1.0, 1.0, off], [1.0, 1.0, 0.0], [off, 0.0, small]])
 
 
 def test_damping_in_the_axes_of_a_drawing_is_symmetric_to_the_bit() -> None:
     axes = rigid.rotations.quaternion_to_matrix(np.array([0.8, 0.1, 0.5, -0.3]) / np.sqrt(0.99))
-    given = [[0.3, 0.05, -0.1], [0.05, 0.2, 0.02], [-0.1, 0.02, 0.4]]
-    found = np.array(rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), damping=given, frame=axes).damping)
-    assert (found == found.T).all()
-    np.testing.assert_allclose(axes @ found @ axes.T, given, rtol=0.0, atol=4e-16)
+    one = np.array([[0.3, 0.05, -0.1], [0.05, 0.2, 0.02], [-0.1, 0.02, 0.4]])
+    for given in (one, np.stack([one, 2.0 * one, one[::-1, ::-1]])):
+        scene = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), damping=given, frame=axes)
+        found = np.array(scene.damping)
+        assert (found == np.swapaxes(found, -1, -2)).all()
+        np.testing.assert_allclose(axes @ found @ axes.T, given, rtol=0.0, atol=1e-15)
 
 
 def test_a_function_without_a_source_is_doubted_unless_it_was_carried() -> None:
