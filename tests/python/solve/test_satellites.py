@@ -185,46 +185,6 @@ def on_orbit(moments: ArrayLike, rate: float = 1.0) -> tuple[rigid.FreeBody, Rot
     return scene, Rotation.from_matrix(axes)
 
 
-@pytest.mark.parametrize("moments", [(2.0, 2.1, 0.3), (1.5, 1.9, 1.1), (0.9, 1.0, 0.15)])
-def test_librations_have_their_frequencies(moments: tuple[float, float, float]) -> None:
-    """Small swings are sums of cosines of the frequencies of the linearised motion.
-
-    The roots of a straight line through the phases give each frequency to 1e-8.
-    """
-    found = rigid.free.libration(moments, rate=1.0)
-    assert found.stable
-    assert found.region == "Lagrange"
-    scene, attitude = on_orbit(moments)
-    small, count, horizon = 1e-7, 4000, 400.0
-    t = np.linspace(0.0, horizon, count)
-    run = rigid.simulate(
-        scene,
-        [0.6 * small, 1.0 + small, -0.8 * small],
-        attitude,
-        t=t,
-        method="taylor20",
-        record="rates",
-    )
-    for signal, frequencies in (
-        (run.omega[:, 1] - 1.0, [float(found.pitch)]),
-        (run.omega[:, 0], found.roll_yaw.tolist()),
-        (run.omega[:, 2], found.roll_yaw.tolist()),
-    ):
-        # A frequency wrong by d leaves a residue of d t / sqrt(12) of the amplitude.
-        waves = [wave(f * t) for f in frequencies for wave in (np.cos, np.sin)]
-        design = np.stack(waves, axis=-1)
-        amplitudes, *_ = np.linalg.lstsq(design, signal)
-        residue = np.sqrt(np.mean((signal - design @ amplitudes) ** 2))
-        assert residue < 1e-8 * horizon / np.sqrt(12.0) * np.abs(amplitudes).max()
-        for k, frequency in enumerate(frequencies):
-            # The slope of the residue along the wave is the error of the frequency.
-            slope = t * (
-                design[:, 2 * k + 1] * amplitudes[2 * k] - design[:, 2 * k] * amplitudes[2 * k + 1]
-            )
-            off = (signal - design @ amplitudes) @ slope / (slope @ slope)
-            assert abs(off) < 1e-8 * frequency
-
-
 def test_moons_and_satellites_have_one_convention() -> None:
     """The frequencies do not depend on the order of the axes, which the result names."""
     moon = rigid.Body.ellipsoid(1.3, 1.1, 1.0)
@@ -283,7 +243,7 @@ def test_rest_in_the_region_of_debra_and_delp_is_stable_and_its_complement_is_no
         assert unknown == (found.reason != "") == (not is_stable)
         if is_stable:
             frequencies = np.sort([float(found.pitch), *found.roll_yaw])
-            np.testing.assert_allclose(np.sort(exponents.imag)[3:], frequencies, rtol=1e-6)
+            np.testing.assert_allclose(np.sort(exponents.imag)[3:], frequencies, rtol=1e-8)
             sums += found.region == "DeBra-Delp"
     assert sums > 3
 

@@ -148,11 +148,10 @@ def test_equal_scenes_keep_what_is_their_own() -> None:
 
 
 def test_a_body_of_many_keeps_nothing_of_the_others() -> None:
-    scene = rigid.FreeBody(rigid.Body([[1.0, 2.0, 2.5], [1.0, 1.0, 1.8]]), damping=[0.1, 0.0])
-    assert scene.shape == (2,)
-    assert [part.shape for part in scene] == [(), ()]
-    assert [bool(part.forces) for part in scene] == [True, False]
-    assert [rigid.simulate(part, RATES[0], t=[1.0]).work is None for part in scene] == [False, True]
+    assert MANY.shape == (2,)
+    assert [part.shape for part in MANY] == [(), ()]
+    assert [bool(part.forces) for part in MANY] == [True, False]
+    assert [rigid.simulate(part, RATES[0], t=[1.0]).work is None for part in MANY] == [False, True]
 
 
 def test_a_scene_keeps_no_large_array() -> None:
