@@ -9,7 +9,7 @@ import pytest
 import rigid
 from rigid import _core
 from rigid._checks import progress as progressing
-from rigid._checks.arguments import positive_int, resolve_threads, rows
+from rigid._checks.arguments import of_known, positive_int, resolve_threads, rows
 from rigid._checks.inputs import unreadable
 from rigid._checks.progress import Listening, reporting
 from rigid._checks.quantities import instead_of_a_text
@@ -89,6 +89,13 @@ def test_whole_numbers_end_below_two_to_the_63() -> None:
     assert resolve_threads(1024) == 1024
     with pytest.raises(ValueError, match="threads = 1025: must be at most 1024"):
         resolve_threads(1025)
+
+
+@pytest.mark.parametrize(("length", "words"), [(499, "omega1, omega2, omega3"), (500, "omega1 to")])
+def test_names_by_number_are_one_in_a_list_of_500_characters(length: int, words: str) -> None:
+    numbered = "omega1, omega2, omega3, "
+    known = [*numbered.rstrip(", ").split(", "), "x" * (length - len(numbered))]
+    assert f"(known: {words}" in of_known("nothing", known)
 
 
 def test_no_rows_are_rows() -> None:
