@@ -200,7 +200,7 @@ def test_events_watch_states() -> None:
     # The point is as far off as its time, times the rate.
     assert np.abs(states - [0.5, -swinging * math.sqrt(0.75)]).max() < 1e-8
     assert rigid.crosses("state2", 0.1).words() == "state2 = 0.1, both ways"
-    plain = simulate(BODY, OMEGA, t=[0.0, 9.0], events=rigid.crosses("omega1"))
+    plain = simulate(BODY, OMEGA, t=[0.0, 9.0], events=rigid.crosses(omega=(1.0, 0.0, 0.0)))
     assert plain.states is None
     assert plain.events[0].states is None
 
@@ -349,7 +349,7 @@ def brakes(
 
 SLOW_ORBIT = rigid.Orbit(1.107e-3, normal=(0.0, -0.6, 0.8))
 SATELLITE, TUMBLING = np.array([0.04, 0.05, 0.03]), np.array([0.02, -0.03, 0.05])
-FIELD_GAIN_WHEEL, LATER = (2.4e-5, 2e4, 2.0), np.array([0.0, 500.0, 3000.0])
+FIELD_GAIN_WHEEL, LATER = (2.4e-5, 2e4, 2.0), np.array([0.0, 500.0, 1500.0])
 
 
 @cache
@@ -370,7 +370,7 @@ def test_magnetic_control_beside_the_gradient_and_a_wheel_moves_as_by_scipy(way:
     torque = rigid.Torque.call(brakes, FIELD_GAIN_WHEEL, states=1)
     satellite = rigid.FreeBody(rigid.Body(SATELLITE), torque=torque, orbit=SLOW_ORBIT)
     run, truth = simulate(satellite, TUMBLING, TILTED, t=LATER, accuracy=1e-10), braked_by_scipy()
-    # SciPy errs by 1e-11 after 100 rad.
+    # SciPy errs by 1e-11 after 80 rad.
     assert np.abs(run.omega - truth[:, :3]).max() < 1e-9 * np.linalg.norm(TUMBLING)
     sign = np.sign((run.attitude * truth[:, 3:7]).sum(axis=1, keepdims=True))
     assert np.abs(run.attitude - sign * truth[:, 3:7]).max() < 1e-9
