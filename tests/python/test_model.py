@@ -68,6 +68,20 @@ def _stands_in(scene: Any, name: str) -> bool:
     return True
 
 
+POWERS = {"mgl": 2, "damping": 1, "torque": 2, "rotor": 1, "drag": 0, "dissipation": -1}
+"""Of the unit of rates in the units of numbers, which have one unit of moments each."""
+
+
+@pytest.mark.parametrize("name", POWERS)
+def test_a_first_guess_of_a_fit_is_off_by_what_has_the_unit_of_its_number(name: str) -> None:
+    place = PLACES[name]
+    assert place.guess is not None
+    nothing = np.zeros((3,) * place.width)
+    off, other = (np.asarray(place.guess(nothing, m * 1.3, w * 0.7)) for m, w in ((1, 1), (8, 2)))
+    assert (off > 0.0).all()
+    assert (other == 8.0 * 2.0 ** POWERS[name] * off).all()
+
+
 def test_rows_are_bodies_unless_every_body_would_be_a_tensor() -> None:
     tensor = np.ones((3, 3)) + np.eye(3)
     with pytest.raises(ValueError, match=r"take rigid\.Body\.from_tensor"):
