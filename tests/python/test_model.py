@@ -49,6 +49,19 @@ SCENES: list[rigid.FreeBody | rigid.HeavyTop] = [
 ]
 
 
+def test_gravity_is_that_of_the_earth_unless_another_one_is_given() -> None:
+    body = rigid.Body.rod(2.0, mass=3.0)
+    for given, g in (({}, 9.81), ({"g": 1.62}, 1.62)):
+        top, _ = rigid.HeavyTop.from_mass(body, com=(0.0, 0.0, 1.0), **given)
+        assert top.mgl == pytest.approx(3.0 * g, rel=1e-15)
+
+
+def test_damping_of_as_many_numbers_as_bodies_is_asked_for_its_axes() -> None:
+    words = r"write \(3, 3, 3\) for a matrix of each, \(1, 3\) for three "
+    with pytest.raises(ValueError, match=words):
+        rigid.FreeBody(rigid.Body([[1.0, 1.5, 2.0]] * 3), damping=[1.0, 2.0, 3.0])
+
+
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: type(scene).__name__)
 def test_the_numbers_of_many_bodies_are_those_of_each(scene: Any) -> None:
     """A body's part of its numbers has the axes that its place says."""
