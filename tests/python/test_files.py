@@ -8,6 +8,7 @@ import signal
 import stat
 import threading
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -55,7 +56,7 @@ WRITERS: dict[str, tuple[str, Callable[[Path], Any]]] = {
     "growth_table": (".csv", GROWTH.to_csv),
     "ephemeris": (".aem", lambda path: RUN.to_aem(path, epoch="2026-01-31")),
     "page": (".html", RUN.animate),
-    "picture": (".gif", RUN.animate),
+    "picture": (".gif", partial(RUN.animate, size=64)),
     "explorer": (".html", small_map(samples=1, t_end=1.0).explore),
 }
 

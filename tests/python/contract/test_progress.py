@@ -37,8 +37,8 @@ def result() -> rigid.StabilityMap:
     )
 
 
-#: What runs for two tenths of a second or more, of which a listener hears each twentieth; and an array of
-#: its result.
+#: What runs for two tenths of a second or more, of which a listener hears each twentieth; and an
+#: array of its result.
 CALLS: dict[str, Callable[..., Any]] = {
     "steps": lambda **how: rigid.simulate(TOP, START, t=LONG, method="dop853", **how).omega,
     "tolerance": lambda **how: (
@@ -52,9 +52,7 @@ CALLS: dict[str, Callable[..., Any]] = {
         rigid.simulate(TOP.body, MANY, t=np.linspace(0.0, 9.0, 6000), **how).omega
     ),
     "events": lambda **how: (
-        rigid.simulate(TOP, START, t=LONG, events=rigid.crosses("omega3", 0.5), **how)
-        .events[0]
-        .t
+        rigid.simulate(TOP, START, t=LONG, events=rigid.crosses("omega3", 0.5), **how).events[0].t
     ),
     "growth": lambda **how: rigid.lyapunov(TOP, START, t=[10_000.0], **how).log_growth,
     "section": lambda **how: rigid.poincare(TOP, START, t_end=12_000.0, **how).omega,
