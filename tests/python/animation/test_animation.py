@@ -238,7 +238,7 @@ def test_a_long_motion_plays_in_twenty_seconds(tmp_path: Path, suffix: str) -> N
         return
     with Image.open(path) as image:
         shown = sum(frame.info["duration"] for frame in ImageSequence.Iterator(image))
-    # The last of 61 frames stays as long as the others; an end is told to the hundredth of a second.
+    # The last of 61 frames stays as long as the others; it ends within a hundredth of a second.
     assert shown == pytest.approx(20_000 * 61 / 60, abs=5)
 
 
