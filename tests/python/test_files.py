@@ -7,6 +7,7 @@ import os
 import signal
 import stat
 import threading
+import zipfile
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -17,7 +18,7 @@ import pytest
 
 import rigid
 from processes import python_process
-from rigid import _files
+from rigid import _archive, _files
 from small_maps import assert_same_map, small_map
 
 RUN = rigid.simulate(
@@ -325,6 +326,36 @@ def test_a_scratch_file_that_is_taken_away_before_it_is_locked_is_made_again(
     assert len(removed) == 1
     assert (tmp_path / "a.txt").read_bytes() == b"whole"
     assert names(tmp_path) == ["a.txt"]
+
+
+# Archives
+
+
+def test_archives_beyond_4_gb_are_written_and_their_directory_is_measured(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As ZIP does from some size on: the numbers of the directory are in another record."""
+    monkeypatch.setattr(zipfile, "ZIP64_LIMIT", 100)
+    numbers = np.arange(100.0)
+    _archive.write_archive(tmp_path / "a.npz", {"one": numbers, "two": -numbers})
+    with (tmp_path / "a.npz").open("rb") as file:
+        # A header of 46 bytes, the name, and sizes of 8 bytes where the limit is passed: both of
+        # the first, and of the second also its place.
+        length = 2 * (46 + len("one.npy")) + 4 + 16 + 4 + 24
+        archive = _archive.Archive(file, directory=length)
+        assert (archive.read("two") == -numbers).all()
+        with pytest.raises(_archive.ForeignError, match="is larger than"):
+            _archive.Archive(file, directory=length - 1)
+
+
+def test_arrays_of_another_version_of_the_format_are_refused(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive, archive.open("x.npy", "w") as entry:
+        np.lib.format.write_array(entry, np.ones(3), version=(2, 0))
+    with (
+        (tmp_path / "a.npz").open("rb") as file,
+        pytest.raises(_archive.DamageError, match=r"x is not of version 1\.0 of the npy format"),
+    ):
+        _archive.Archive(file).read("x")
 
 
 # A full disk

@@ -256,6 +256,7 @@ OF_PARTS = "must be k/n with 1 <= k <= n <= 2147483648"
             "[y] from = '1 rpm': must be a real number in rad/s, written without the unit; "
             "1 * rigid.units.rpm is 0.104719755",
         ),
+        ("map old.npz --set run.t_end=3", "--set: changes a TOML file; an older result has --samp"),
         ("map --show thrown-box --set run.t_end=3", "--show prints the file as it is"),
     ],
 )
@@ -812,6 +813,24 @@ def test_json_tells_lists_sections_reports_and_the_build(folder: Path, capsys: C
     counts = told("extremes", "spin", "--method", "exact")["counts"]
     assert isinstance(counts, dict)
     assert sum(counts.values()) > 0
+
+
+def test_an_undetected_error_is_told_and_is_no_success(
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    case, words = cases()[0], "the error 2.0e-03 is above 1.0e-08, and the status does not tell\n"
+    cell = Cell(
+        case=case,
+        method="rk4",
+        error=2e-3,
+        bound=1e-8,
+        verdict=UNDETECTED_ERROR,
+        reason="ok",
+        seconds=0.1,
+    )
+    monkeypatch.setattr("rigid.cli.extremes", lambda *_, **__: rigid.Extremes((cell,)))
+    assert main(["extremes"]) == SAYS_NO
+    assert capsys.readouterr().err == f"rigid: {case.family}, {case.name}, rk4: {words}"
 
 
 def test_without_a_terminal_a_line_tells_the_progress_every_ten_seconds(

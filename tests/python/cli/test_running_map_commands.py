@@ -6,6 +6,7 @@ import os
 import re
 import signal
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -341,10 +342,13 @@ def test_a_package_that_is_missing_is_named_in_a_line(
 ) -> None:
     main(["map", "small.toml", "--store", "run.rigid", QUIET])
     capsys.readouterr()
-    monkeypatch.setitem(sys.modules, "zarr", None)
-    monkeypatch.setitem(sys.modules, "zarr.codecs", None)
+    for name in ("zarr", "zarr.codecs", "distributed"):
+        monkeypatch.setitem(sys.modules, name, None)
     assert main(["pack", "run.rigid", "run.zarr"]) == 2
     assert capsys.readouterr().err.startswith("rigid: a .zarr needs zarr: pip install ")
+    stored = ["--store", "run.rigid", "--force", QUIET]
+    assert main(["map", "small.toml", "--dask", "tcp://x:1", *stored]) == 2
+    assert capsys.readouterr().err.startswith("rigid: --dask needs Dask: pip install ")
     assert not Path("run.zarr").exists()
 
 
@@ -383,6 +387,22 @@ def test_a_check_tells_the_folder_too(capsys: Capture) -> None:
     assert not Path("run.rigid").exists()
 
 
+def test_a_map_without_a_seed_goes_on_with_that_of_its_folder(capsys: Capture) -> None:
+    Path("small.toml").write_text(SPEC.replace("seed = 5", ""))
+    assert main(["map", "small.toml", "--store", "run.rigid", QUIET]) == 0
+    capsys.readouterr()
+    again = ["map", "small.toml", "--store", "run.rigid", "--force"]
+    assert main([*again, "--check"]) == 0
+    assert "bodies      0 in 0 pixels" in capsys.readouterr().out
+
+
+def test_a_folder_that_cannot_be_made_is_told_alone(capsys: Capture) -> None:
+    Path("file").touch()
+    assert main(["map", "small.toml", "--store", "file/run", QUIET]) == 74
+    told = capsys.readouterr().err
+    assert re.fullmatch(r"rigid: \[Errno \d+\] .*'; rigid resume file/run goes on\n", told)
+
+
 def test_a_cluster_that_does_not_answer_is_a_wrong_call(
     capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -391,6 +411,10 @@ def test_a_cluster_that_does_not_answer_is_a_wrong_call(
     def silent(address: str) -> None:
         raise OSError("timed out")
 
+    asked = ["map", "small.toml", "--store", "a.rigid", "--dask", "tcp://x:1", QUIET]
     monkeypatch.setattr(distributed, "Client", silent)
-    assert main(["map", "small.toml", "--store", "a.rigid", "--dask", "tcp://x:1", QUIET]) == 2
+    assert main(asked) == 2
     assert "--dask = 'tcp://x:1': no scheduler answers (timed out)" in capsys.readouterr().err
+    monkeypatch.setattr(distributed, "Client", lambda _: ThreadPoolExecutor(1))
+    assert main(asked) == 0
+    assert rigid.load_map("small.npz").complete

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ import rigid
 from refusals import refuses
 from rigid.store import resume
 from rigid.store.disk import Disk
+from rigid.store.head import MOST_BYTES
 from rigid.store.log import Log
 from rigid.store.rows import ROW, Block
 from rigid.store.running import Folder, Memory
@@ -167,6 +169,10 @@ def test_a_title_is_no_part_of_the_key(tmp_path: Path) -> None:
 
 
 HEAD: dict[str, tuple[Callable[[dict[str, object]], object], str]] = {
+    "long": (
+        lambda head: json.dumps(head) + " " * MOST_BYTES,
+        f"is no running map: its head has more than {MOST_BYTES} B",
+    ),
     "no JSON": (lambda head: "x", "is no running map: Expecting value"),
     "other JSON": (lambda head: "[]", "is no running map: its head.json has another format"),
     "other format": (
@@ -300,6 +306,11 @@ def test_the_status_counts_rows_writers_and_damage(tmp_path: Path) -> None:
     assert not status.complete
     assert status.writers[0]["units"] == 10
     assert "10 of" in str(status)
+    assert "twice" not in str(status)
+    shutil.copy(log, log.with_name("20260101T000000Z-0123456789ab.tar"))
+    status = rigid.open_store(folder.path).status()
+    assert (status.done, status.twice) == (10, 10)
+    assert "twice       10 rows were computed twice, with equal bytes" in str(status)
     assert repr(rigid.open_store(folder.path)).endswith("10 units are stored>")
     assert isinstance(rigid.open_store(folder.path), Store)
 
