@@ -129,7 +129,9 @@ def test_a_notebook_shows_a_picture_and_its_words(name: str, results: dict[str, 
     assert html.escape(words.split()[-1]) in shown
 
 
-def test_a_run_shows_the_first_body_and_what_has_no_picture_its_line() -> None:
+def test_a_run_shows_the_first_body_and_what_has_no_picture_its_words(
+    results: dict[str, Any],
+) -> None:
     starts, times = [[1e-3, 10.0, 1e-3]] * 3, [0.0, 1.0, 2.0]
     assert "body 0" in rigid.simulate(BOX, starts, t=times)._repr_html_()
     for run in (
@@ -138,6 +140,8 @@ def test_a_run_shows_the_first_body_and_what_has_no_picture_its_line() -> None:
         rigid.simulate(BOX, np.ones((2, 2, 3)), t=times),
     ):
         assert run._repr_html_() == html_text(repr(run))
+    extremes = results["extremes"]
+    assert extremes._repr_html_() == html_text(str(extremes))
 
 
 @pytest.mark.parametrize(("name", "rows"), [("plan", 8), ("methods", len(rigid.methods()) + 1)])

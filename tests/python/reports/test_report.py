@@ -855,6 +855,7 @@ def test_the_table_names_methods_reference_and_wanted_errors(box: rigid.Report) 
 def test_json_there_and_back(box: rigid.Report, top: rigid.Report, tmp_path: Path) -> None:
     for result in (box, top):
         assert rigid.Report.from_json(result.to_json()) == result
+        assert ReportSpec.from_dict(json.loads(result.spec.to_json())) == result.spec
     lost = dataclasses.replace(box.rows[-1], error=math.inf, worst=math.inf, mark="failed")
     broken = dataclasses.replace(box, rows=(lost,))
     assert rigid.Report.from_json(broken.to_json()) == broken

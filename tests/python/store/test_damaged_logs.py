@@ -19,7 +19,7 @@ from rigid.cli import main
 from rigid.store import drive as driving
 from rigid.store import log as logging
 from rigid.store.log import Found, read_log
-from rigid.store.rows import Table
+from rigid.store.rows import ROW, Table
 from rigid.store.running import Folder
 from small_maps import small_map
 from stores import SPEC, FailingDisk, Gone, go_on, numbers
@@ -166,6 +166,16 @@ def test_records_of_another_map_are_not_accepted(log: bytes, run: Folder) -> Non
     found = Found()
     assert not list(read_log(io.BytesIO(log), bytes(16), found))
     assert found.damage
+
+
+def test_rows_of_another_kind_are_not_accepted(
+    log: bytes, run: Folder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(logging, "ROW", ROW[["unit"]])
+    table, found = read(log, run)
+    assert not table.known.any()
+    assert len(found.damage) == RECORDS
+    assert all(said.startswith("a record of another kind of rows at byte") for said in found.damage)
 
 
 def test_a_member_that_claims_a_terabyte_takes_no_memory(run: Folder) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import rigid
-from rigid.store.head import Head, divided
+from rigid.store.head import Head, divided, moment_status
 from rigid.store.log import UTC
 from rigid.store.resume import GOLDEN, Part, missing
 from rigid.store.rows import Block
@@ -77,6 +77,12 @@ def test_rows_in_memory_grow_with_the_pixels_alone() -> None:
         units = Memory(spec_of_grid(columns, rows, samples)).head.units
         assert units <= max(columns * rows, 2**14 + columns * rows)
     assert Memory(spec_of_grid(8, 1, 200)).head.segment == 64
+
+
+def test_moments_of_many_pixels_are_told_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rigid.store.head.PIXELS_TOGETHER", 7)
+    assert set(SPEC.grid.status) == {0, 3}
+    np.testing.assert_array_equal(moment_status(SPEC), SPEC.grid.status)
 
 
 def test_few_pixels_are_divided_evenly() -> None:
