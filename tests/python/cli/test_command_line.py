@@ -46,7 +46,7 @@ from small_maps import assert_same_map, in_blocks
 from terminals import in_terminal, read
 
 pytestmark = pytest.mark.usefixtures("folder")
-undrawn = pytest.mark.usefixtures("undrawn")
+brief = pytest.mark.usefixtures("brief")
 
 
 def made(folder: Path) -> set[str]:
@@ -108,7 +108,7 @@ def test_a_map_writes_picture_and_data_and_prints_what_was_computed(
     assert facts["picture"] == "small.png"
 
 
-@undrawn
+@brief
 def test_a_method_is_told_with_its_steps_and_drifts(folder: Path, capsys: Capture) -> None:
     (folder / "steps.toml").write_text(SPEC.replace("samples", 'method = "rk4"\nsamples'))
     assert main(["map", "steps.toml"]) == 0
@@ -123,7 +123,7 @@ def test_a_method_is_told_with_its_steps_and_drifts(folder: Path, capsys: Captur
     assert f"unit lengths {np.nanmax(result.unit_drift):.1e}" in facts["worst"]
 
 
-@undrawn
+@brief
 def test_the_map_is_that_of_python(capsys: Capture) -> None:
     assert main(["map", "small.toml", "--threads", "1", "--no-progress"]) == 0
     assert "on 1 thread\n" in capsys.readouterr().out
@@ -143,7 +143,7 @@ def test_the_map_is_that_of_python(capsys: Capture) -> None:
     assert_same_map(loaded, result)
 
 
-@undrawn
+@brief
 def test_options_replace_what_the_file_says(folder: Path, capsys: Capture) -> None:
     (folder / "there").mkdir()
     arguments = ["--samples", "3", "--threads", "2", "--seed", str(2**100), "--out", "there/b"]
@@ -156,7 +156,7 @@ def test_options_replace_what_the_file_says(folder: Path, capsys: Capture) -> No
     assert "on 2 threads" in capsys.readouterr().out
 
 
-@undrawn
+@brief
 @pytest.mark.parametrize(
     ("out", "stem"), [("b.png", "b"), ("b.npz", "b"), ("v1.2", "v1.2"), ("b.toml", "b.toml")]
 )
@@ -321,7 +321,7 @@ def test_a_wrong_variable_is_one_line(monkeypatch: pytest.MonkeyPatch, capsys: C
     assert expected in fails(["info"], capsys)
 
 
-@undrawn
+@brief
 def test_threads_come_from_the_variable(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
     monkeypatch.setenv("RIGID_NUM_THREADS", "3")
     assert main(["map", "small.toml"]) == 0
@@ -338,7 +338,7 @@ def test_an_instruction_set_that_is_not_there_is_one_line() -> None:
     assert done.stderr.count("\n") == 1
 
 
-@undrawn
+@brief
 def test_an_ascii_terminal_is_no_reason_to_lose_a_map(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -385,7 +385,7 @@ def test_ctrl_c_while_the_picture_is_drawn_leaves_the_data(
     assert made(folder) == {"small.npz"}
 
 
-@undrawn
+@brief
 @pytest.mark.parametrize(
     ("number", "code", "told", "files"),
     [
@@ -442,7 +442,7 @@ def test_a_signal_while_the_data_is_saved_waits_for_it(
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
 
 
-@undrawn
+@brief
 @pytest.mark.parametrize(
     ("limit", "when", "told"),
     [
@@ -601,7 +601,7 @@ def test_a_map_that_is_not_computed_yet_is_computed_first(folder: Path, capsys: 
     assert said.endswith("is a built-in map and no file; did you mean thrown-box.npz?")
 
 
-@undrawn
+@brief
 def test_a_map_is_checked_without_a_computation(folder: Path, capsys: Capture) -> None:
     """The plan is the map's, the bodies are those of three possible pixels in four."""
     assert main(["map", "small.toml", "--check"]) == 0
@@ -635,6 +635,7 @@ def test_a_check_tells_what_a_map_costs_at_most(folder: Path, capsys: Capture) -
     assert re.search(r"cost +at most \S+ s on 2 free threads", shown)
 
 
+@brief
 def test_a_check_of_a_part_is_of_its_bodies(folder: Path, capsys: Capture) -> None:
     bodies = 0
     for part in ("1/2", "2/2"):
@@ -647,6 +648,7 @@ def test_a_check_of_a_part_is_of_its_bodies(folder: Path, capsys: Capture) -> No
     assert made(folder) == set()
 
 
+@brief
 @pytest.mark.filterwarnings("default")
 def test_a_warning_is_a_line_of_the_command(folder: Path, capsys: Capture) -> None:
     box = SPEC.replace("moments = [1.0, 1.5, 2.0]", "box = [250, 80, 10]\nmass = 0.3")
@@ -751,7 +753,7 @@ def test_a_new_file_replaces_none_unless_told(folder: Path, capsys: Capture) -> 
     assert "no built-in map is called 'x'" in fails(["new", "map", "--like", "x"], capsys)
 
 
-@undrawn
+@brief
 @pytest.mark.parametrize("suffix", [".npz", ".png"])
 def test_results_replace_no_file_unless_told(suffix: str, folder: Path, capsys: Capture) -> None:
     (folder / f"small{suffix}").write_bytes(b"mine")
@@ -775,7 +777,7 @@ def test_the_suffix_chooses_the_format_of_the_picture(
     assert {path.name for path in folder.iterdir()} == {"small.toml", "a.npz", f"a{suffix}"}
 
 
-@undrawn
+@brief
 def test_a_key_of_the_specification_is_set(folder: Path) -> None:
     changes = ["--set", "run.t_end=5", "--set", "run.method=rk4", "--set", "x.values=[0.9, 1.1]"]
     assert main(["map", "small.toml", "--set", "title=Other", *changes]) == 0
@@ -784,7 +786,7 @@ def test_a_key_of_the_specification_is_set(folder: Path) -> None:
     assert spec.axes[0].values == (0.9, 1.1)
 
 
-@undrawn
+@brief
 def test_json_tells_a_map(folder: Path, capsys: Capture) -> None:
     assert main(["map", "small.toml", "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)
@@ -882,6 +884,7 @@ def test_help_has_eighty_columns(topic: str, capsys: Capture) -> None:
     assert 0 < widest(capsys.readouterr().out) <= WIDTH
 
 
+@brief
 @pytest.mark.parametrize(
     "command",
     [
@@ -914,7 +917,7 @@ def test_a_built_in_map_prints_eighty_columns(name: str, capsys: Capture) -> Non
     assert "\nleft out    " in told
 
 
-@undrawn
+@brief
 def test_the_commands_of_a_store_print_eighty_columns(capsys: Capture) -> None:
     for command, code in (
         (["map", "small.toml", *STORED, "--part", "1/2"], 75),

@@ -28,7 +28,7 @@ SPEC = SMALL.replace("values = [0.4, 0.9, 1.1, 1.3]", "from = 0.4\nto = 1.4\ncou
 
 QUIET = "--no-progress"
 
-pytestmark = pytest.mark.usefixtures("folder", "undrawn")
+pytestmark = pytest.mark.usefixtures("folder", "brief")
 
 
 def test_a_map_is_stored_and_written(capsys: Capture) -> None:

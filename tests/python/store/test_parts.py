@@ -6,6 +6,7 @@ import os
 import time
 from calendar import timegm
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from rigid.store.log import UTC
 from rigid.store.resume import GOLDEN, Part, missing
 from rigid.store.rows import Block
 from rigid.store.running import Folder, Memory
+from rigid.store.status import foresee
 from small_maps import assert_same_map, saved_bytes, small_map, spec_of
 from stores import SPEC, go_on, stops_after, stored_map
 
@@ -189,6 +191,22 @@ def test_an_interruption_inside_of_pixels_counts_whole_ones(
     assert units % 3
     words = f"{units // 3} of 8 pixels ({units} of 24 pieces) are stored"
     assert pixels_done(Folder(tmp_path / "run")) == words
+
+
+def test_a_cost_is_foreseen_from_all_bodies_of_some_looks(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[int, int, int]] = []
+
+    def made(spec: Any, pixels: Any, samples: int, *_: Any) -> Any:
+        def run(begin: int, end: int, _threads: int) -> None:
+            asked.append((begin, end, len(pixels) * samples))
+
+        return SimpleNamespace(run=run)
+
+    monkeypatch.setattr("rigid.store.status.to_core", made)
+    monkeypatch.setattr("rigid._timing.REPEATED", 0.0)
+    foresee(SPEC, store=None, seeded=True, threads=1, part=None)
+    assert len(asked) > 1
+    assert all((begin, end) == (0, bodies) for begin, end, bodies in asked)
 
 
 def test_the_status_never_tells_a_time_that_is_not_known(tmp_path: Path) -> None:
