@@ -19,7 +19,7 @@ from rigid.store.log import Log
 from rigid.store.rows import ROW, Block
 from rigid.store.running import Folder, Memory
 from rigid.store.store import Store
-from small_maps import small_map, spec_of
+from small_maps import in_blocks, small_map, spec_of
 from stores import SPEC, go_on, numbers, request, stops_after
 
 UNITS = np.array([145, 146, 147, 148, 150, 151])
@@ -283,6 +283,18 @@ def test_differences_of_two_maps_are_told_by_their_intervals() -> None:
     told = int(re.match(r"(\d+) of", rigid.diff(one, shorter).numbers[0])[1])  # type: ignore[index]
     meet = (one.lower <= shorter.upper) & (shorter.lower <= one.upper)
     assert told == (~meet).sum() > 3
+
+    def stop(_: rigid.Progress) -> None:
+        raise KeyboardInterrupt
+
+    with in_blocks(7):
+        begun = small_map(rng=2, partial=True, progress=stop)
+    known = int((begun.samples > 0).sum())
+    assert 0 < known < 35
+    for first, second in ((one, begun), (begun, one)):
+        numbers_of_both = rigid.diff(first, second).numbers
+        assert numbers_of_both[0].startswith(f"0 of {known} pixels")
+        assert "nan" not in numbers_of_both[1]
     axes = {"I2/I1": [1.2, 1.5]}
     assert rigid.diff(one, small_map(axes=axes)).numbers == [
         "the axes differ: the pixels cannot be compared"
