@@ -7,7 +7,6 @@ import resource
 import runpy
 import shlex
 import signal
-import subprocess
 import sys
 from collections.abc import Callable
 from importlib import metadata
@@ -22,7 +21,7 @@ import rigid
 from interrupts import sigint
 from map_texts import SMALL as SPEC
 from printed_text import facts_of, unwrapped
-from processes import PATIENCE, Capture, environment, python_command, run_python
+from processes import PATIENCE, Capture, run_python
 from rigid._checks.progress import reporting
 from rigid._checks.shown import WIDTH
 from rigid.cli import main
@@ -509,21 +508,18 @@ def test_a_map_whose_folder_is_gone_is_saved_elsewhere(
     assert rigid.load_map(spare).complete
 
 
-@pytest.mark.parametrize("arguments", [["maps"], ["map", "small.toml"]])
-def test_a_reader_that_went_away_is_no_error(arguments: list[str], folder: Path) -> None:
+@brief
+@pytest.mark.parametrize("arguments", [["info"], ["maps"], ["map", "small.toml"]])
+def test_a_reader_that_went_away_is_no_error(
+    arguments: list[str], folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
     """As after ``rigid maps | head -1``; a map is written all the same."""
     reader, writer = os.pipe()
     os.close(reader)
-    with os.fdopen(writer) as closed:
-        done = subprocess.run(
-            python_command("-m", "rigid", *arguments),
-            stdout=closed,
-            stderr=subprocess.PIPE,
-            env=environment(),
-            text=True,
-            check=False,
-        )
-    assert (done.returncode, done.stderr) == (0, "")
+    with os.fdopen(writer, "w") as closed:
+        monkeypatch.setattr("sys.stdout", closed)
+        assert main(arguments) == 0
+    assert capsys.readouterr().err == ""
     assert made(folder) == ({"small.npz", "small.png"} if arguments[0] == "map" else set())
 
 

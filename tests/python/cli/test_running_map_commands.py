@@ -19,8 +19,8 @@ from map_texts import SMALL
 from printed_text import unwrapped
 from processes import Capture
 from rigid.cli import main
-from rigid.store import drive
 from rigid.store.disk import Disk
+from rigid.store.rows import compute
 
 SPEC = SMALL.replace("values = [0.4, 0.9, 1.1, 1.3]", "from = 0.4\nto = 1.4\ncount = 12").replace(
     "count = 3", "count = 8"
@@ -295,16 +295,16 @@ def test_signals_end_the_command_and_keep_what_is_computed(
     number: signal.Signals, code: int, how: str, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     """With the third block of one pixel."""
-    real, before = drive.compute, iter(range(2))
+    before = iter(range(2))
 
-    def compute(*arguments: Any, **options: Any) -> Any:
+    def interrupted(*arguments: Any, **options: Any) -> Any:
         if next(before, None) is None:
             os.kill(os.getpid(), number)
-        return real(*arguments, **options)
+        return compute(*arguments, **options)
 
     with monkeypatch.context() as slow, sigint(signal.default_int_handler):
-        slow.setattr(drive, "compute", compute)
-        slow.setattr(drive, "GROWTH", 1)
+        slow.setattr("rigid.store.drive.compute", interrupted)
+        slow.setattr("rigid.store.drive.GROWTH", 1)
         stored = ["--store", "run.rigid", "--threads", "1", QUIET]
         assert main(["map", "small.toml", *stored]) == code
     told = capsys.readouterr().err
