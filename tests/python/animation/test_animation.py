@@ -483,6 +483,8 @@ def test_a_body_without_rates_or_without_width_has_a_film(scene: Any, omega: Any
     film = film_of(run_of(scene, omega))
     for one in film.parts:
         assert np.isfinite(one.points).all()
+    pixels, _ = frame_picture(film, 0, 64)
+    assert len(np.unique(pixels)) > 20
     if scene.body is ROD and film.view == "box":  # L of a rod is along its rate
         arrow, rate = (part(film, "arrow", label=name).points[0] for name in ("L", "ω"))
         np.testing.assert_allclose(arrow, [0.0, 1.5, 0.0])
@@ -793,6 +795,10 @@ def test_the_shadow_in_a_picture_lies_where_light_from_above_brings_it() -> None
         for height in (0.3, 1.25)
     ]
     assert _from_segment(seen, *ends) < 6.0  # of 200: half the width of the shadow is about 40
+    # So it lies in the picture: darker by its share than the ground on the other side.
+    pixels = frame_picture(film, 0, 200)[0].astype(int)
+    dark, light = (pixels[int(seen[1]), int(x)].sum() for x in (seen[0], 200.0 - seen[0]))
+    assert dark == pytest.approx((1.0 - shadow.max()) * light, rel=0.02)
 
 
 def test_labels_of_a_picture_avoid_labels_and_arrows() -> None:
