@@ -3,8 +3,10 @@
 import itertools
 import math
 import os
+import tarfile
 import time
 from calendar import timegm
+from io import BytesIO
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -193,7 +195,9 @@ def test_an_interruption_inside_of_pixels_counts_whole_ones(
     assert pixels_done(Folder(tmp_path / "run")) == words
 
 
-def test_a_cost_is_foreseen_from_all_bodies_of_some_looks(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cost_is_foreseen_from_whole_looks_and_a_size_is_that_of_the_tables(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     asked: list[tuple[int, int, int]] = []
 
     def made(spec: Any, pixels: Any, samples: int, *_: Any) -> Any:
@@ -204,9 +208,15 @@ def test_a_cost_is_foreseen_from_all_bodies_of_some_looks(monkeypatch: pytest.Mo
 
     monkeypatch.setattr("rigid.store.status.to_core", made)
     monkeypatch.setattr("rigid._timing.REPEATED", 0.0)
-    foresee(SPEC, store=None, seeded=True, threads=1, part=None)
+    foreseen = foresee(SPEC, store=None, seeded=True, threads=1, part=None)
     assert len(asked) > 1
     assert all((begin, end) == (0, bodies) for begin, end, bodies in asked)
+    go_on(tmp_path / "run")
+    (log,) = (tmp_path / "run" / "logs").iterdir()
+    with tarfile.open(log) as archive:
+        members: list[Any] = [archive.extractfile(one) for one in archive if ".npy" in one.name]
+        tables = [np.load(BytesIO(member.read())) for member in members]
+    assert foreseen.stored == sum(table.nbytes for table in tables)
 
 
 def test_the_status_never_tells_a_time_that_is_not_known(tmp_path: Path) -> None:
