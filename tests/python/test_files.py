@@ -398,10 +398,10 @@ def test_a_full_disk_is_an_error_that_names_the_file_and_leaves_the_old_one(
     assert sorted(left.split()) == sorted(Path(path).name for path in paths.values())
 
 
-def test_a_file_system_without_a_call_is_no_obstacle(
+def test_a_system_without_a_call_is_no_obstacle(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Some cannot synchronise folders, some cannot look for room."""
+    """Some cannot synchronise folders, some cannot look for room, some have no locks."""
     fsync = os.fsync
 
     def synchronise(descriptor: int) -> None:
@@ -414,6 +414,7 @@ def test_a_file_system_without_a_call_is_no_obstacle(
 
     monkeypatch.setattr(os, "fsync", synchronise)
     monkeypatch.setattr(os, "posix_fallocate", allocate)
+    monkeypatch.setattr(_files, "fcntl", None)
     _files.require_room(tmp_path / "a.txt", 100)
     with _files.published(tmp_path / "a.txt") as file:
         file.write(b"whole")

@@ -965,6 +965,18 @@ def test_progress_only_grows_and_ends_at_its_total() -> None:
     assert done[-1] == seen[-1].total == 100
 
 
+def test_a_processor_without_a_file_about_it_is_named_by_its_kind(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def missing(*_: object, **__: object) -> None:
+        raise FileNotFoundError
+
+    monkeypatch.setattr("builtins.open", missing)
+    monkeypatch.setattr("platform.processor", lambda: "")
+    monkeypatch.setattr("platform.machine", lambda: "arm64")
+    assert compute._cpu() == "arm64"
+
+
 def test_stages_share_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of 1000 s 150 are for the reference, 200 for a run of each step, the rest for repeats."""
     ends: dict[str, float] = {}

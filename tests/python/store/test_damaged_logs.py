@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import subprocess
 import sys
 import tarfile
@@ -231,6 +232,16 @@ def disk(tmp_path: Path) -> Iterator[Path]:
         yield place
     finally:
         command("umount", str(place)).check_returncode()
+
+
+def test_a_system_without_some_calls_stores_the_same_rows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    go_on(tmp_path / "quiet")
+    for name in ("writev", "fdatasync"):
+        monkeypatch.delattr(os, name)
+    go_on(tmp_path / "run")
+    assert numbers(tmp_path / "run") == numbers(tmp_path / "quiet")
 
 
 def test_a_map_on_a_full_disk_goes_on_when_there_is_room(
