@@ -18,7 +18,7 @@ from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
-from satellites import Bodies, compared
+from satellites import BLOCK, Bodies, compared
 from timing import Floats, parser, sized
 
 import rigid
@@ -28,7 +28,7 @@ GM, PERIAPSIS, SPEED = 398600.44, 38011.0, 5.8414  # km³/s², km, km/s
 MOMENTS = (0.729, 0.947, 1.0)
 SPIN, TILT = 6.5e-5, 0.35  # rad/s; rad, from the short axis
 
-COUNT, MANY = sized((4096, 1_000_000), (64, 256))
+COUNT, MANY = sized((4096, 1_000_000), (BLOCK, 64))
 
 ORBIT = rigid.Orbit.flyby(gm=GM, periapsis=PERIAPSIS, speed=SPEED, time=5.0 * DAY)
 SCENE = rigid.FreeBody(rigid.Body(MOMENTS), orbit=ORBIT)

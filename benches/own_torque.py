@@ -18,8 +18,8 @@ from timing import counted, in_turns, installed, moved, over, parser, sized
 import rigid
 from rigid.model.scene import Scene
 
-BODIES, STEPS, SAMPLES, REPEATS = sized((64, 2000, 200, 5), (4, 40, 4, 1))
-SATELLITES, HOURS = sized((400, 8.0), (4, 0.1))
+BODIES, STEPS, SAMPLES, REPEATS = sized((64, 2000, 200, 5), (4, 20, 1, 1))
+SATELLITES, HOURS = sized((400, 8.0), (2, 0.05))
 STEP = 0.1
 GAIN = 1e-3
 MOMENTS = np.array([1.0, 1.5, 2.0])

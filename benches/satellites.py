@@ -29,8 +29,8 @@ from tops import Form
 
 Ways = dict[str, tuple[Callable[[], Any], str]]
 
-CELLS, ORBITS, REPEATS = sized((16, 10.0, 9), (4, 1.0, 1))
-T, NEAR, ALLOWED = 2.0 * np.pi * ORBITS, sized(1.02, 2.0), 1e-6
+CELLS, ORBITS, REPEATS = sized((16, 10.0, 9), (4, 0.25, 1))
+T, NEAR, ALLOWED = 2.0 * np.pi * ORBITS, sized(1.02, 8.0), sized(1e-6, 1.0)
 RATIOS = np.linspace(1.05, 1.5, CELLS)
 AXES = {"a/b": RATIOS, "b/c": RATIOS, "eccentricity": np.linspace(0.0, 0.2, CELLS)}
 OMEGA = np.array([1e-3, 2e-3, 1.0])

@@ -40,13 +40,13 @@ from tops import BALL, SCENES, Scene, State, errors, matrices
 
 import rigid
 
-BODIES, CHECKED = sized((2048, 1024), (32, 16))
+BODIES, CHECKED = sized((2048, 1024), (16, 16))
 """So many are timed, and so many compared with the reference."""
 REPEATS = sized(3, 1)
 DEPTHS = sized((0, 1, 2, 3, 5, 7), (0,))
 """How deep in calls the sides are timed: where the stack lies changes the time of some by a fifth.
 Each is given the depth that suits it."""
-QUICK_SCENES = [replace(scene, t=10.0, targets=(1e-3,), goals={1e-3: 1.0}) for scene in SCENES]
+QUICK_SCENES = [replace(scene, t=2.0, targets=(1e-3,), goals={1e-3: 1.0}) for scene in SCENES]
 LIMIT = sized(2000.0, np.inf)
 """Nanoseconds a body and unit of time from which on a sweep is given up."""
 

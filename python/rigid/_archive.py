@@ -125,12 +125,8 @@ def _seal(file: BinaryIO, length: int) -> bytes:
     """The digest of the first bytes of a file."""
     digest = hashlib.sha256()
     file.seek(0)
-    while length > 0:
-        block = file.read(min(length, 2**20))
-        if not block:
-            break
-        digest.update(block)
-        length -= len(block)
+    for begin in range(0, length, 2**20):
+        digest.update(file.read(min(2**20, length - begin)))
     return _SEAL + digest.hexdigest().encode()
 
 

@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -45,6 +46,19 @@ def folder(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.M
     (tmp_path / "small.toml").write_text(getattr(request.module, "SPEC", SMALL))
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.fixture
+def brief(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Commands draw no map and measure its cost once, which take most of the time of small maps."""
+    for name in ("BUDGET", "REPEATED"):
+        monkeypatch.setattr(f"rigid._timing.{name}", 0.0)
+
+    def save(content: Any, **_: object) -> None:
+        content.write(bytes(30_000))
+
+    axes = SimpleNamespace(figure=SimpleNamespace(savefig=save))
+    monkeypatch.setattr("rigid.store.result.plot_map", lambda *_, **__: axes)
 
 
 @pytest.fixture

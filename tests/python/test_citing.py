@@ -64,6 +64,11 @@ def test_results_know_what_they_were_made_with() -> None:
     assert rigid.cite(stepped) == rigid.cite(stepped.plan)
     assert keys(rigid.cite(small_map(method="rk4"))) == ["rigid", "rigid-rk4"]
     assert len(keys(rigid.cite("exact"))) == 4
+    methods = ["rk4", "exact", "dop853"]
+    report = rigid.report(FREE, RATES, t_end=0.1, methods=methods, bodies=1, seconds=0.1)
+    cited = keys(rigid.cite(report))
+    assert cited[:3] == ["rigid", "rigid-rk4", "rigid-dop853"]
+    assert set(cited[3:]) == set(keys(rigid.cite("exact"))[1:])
 
 
 def test_a_method_that_is_none() -> None:

@@ -7,7 +7,9 @@ import os
 import signal
 import stat
 import threading
+import zipfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +18,7 @@ import pytest
 
 import rigid
 from processes import python_process
-from rigid import _files
+from rigid import _archive, _files
 from small_maps import assert_same_map, small_map
 
 RUN = rigid.simulate(
@@ -55,7 +57,7 @@ WRITERS: dict[str, tuple[str, Callable[[Path], Any]]] = {
     "growth_table": (".csv", GROWTH.to_csv),
     "ephemeris": (".aem", lambda path: RUN.to_aem(path, epoch="2026-01-31")),
     "page": (".html", RUN.animate),
-    "picture": (".gif", RUN.animate),
+    "picture": (".gif", partial(RUN.animate, size=64)),
     "explorer": (".html", small_map(samples=1, t_end=1.0).explore),
 }
 
@@ -326,6 +328,36 @@ def test_a_scratch_file_that_is_taken_away_before_it_is_locked_is_made_again(
     assert names(tmp_path) == ["a.txt"]
 
 
+# Archives
+
+
+def test_archives_beyond_4_gb_are_written_and_their_directory_is_measured(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As ZIP does from some size on: the numbers of the directory are in another record."""
+    monkeypatch.setattr(zipfile, "ZIP64_LIMIT", 100)
+    numbers = np.arange(100.0)
+    _archive.write_archive(tmp_path / "a.npz", {"one": numbers, "two": -numbers})
+    with (tmp_path / "a.npz").open("rb") as file:
+        # A header of 46 bytes, the name, and sizes of 8 bytes where the limit is passed: both of
+        # the first, and of the second also its place.
+        length = 2 * (46 + len("one.npy")) + 4 + 16 + 4 + 24
+        archive = _archive.Archive(file, directory=length)
+        assert (archive.read("two") == -numbers).all()
+        with pytest.raises(_archive.ForeignError, match="is larger than"):
+            _archive.Archive(file, directory=length - 1)
+
+
+def test_arrays_of_another_version_of_the_format_are_refused(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive, archive.open("x.npy", "w") as entry:
+        np.lib.format.write_array(entry, np.ones(3), version=(2, 0))
+    with (
+        (tmp_path / "a.npz").open("rb") as file,
+        pytest.raises(_archive.DamageError, match=r"x is not of version 1\.0 of the npy format"),
+    ):
+        _archive.Archive(file).read("x")
+
+
 # A full disk
 
 #: Every writer over an old file, in a process whose files cannot grow beyond some bytes.
@@ -366,10 +398,10 @@ def test_a_full_disk_is_an_error_that_names_the_file_and_leaves_the_old_one(
     assert sorted(left.split()) == sorted(Path(path).name for path in paths.values())
 
 
-def test_a_file_system_without_a_call_is_no_obstacle(
+def test_a_system_without_a_call_is_no_obstacle(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Some cannot synchronise folders, some cannot look for room."""
+    """Some cannot synchronise folders, some cannot look for room, some have no locks."""
     fsync = os.fsync
 
     def synchronise(descriptor: int) -> None:
@@ -382,6 +414,7 @@ def test_a_file_system_without_a_call_is_no_obstacle(
 
     monkeypatch.setattr(os, "fsync", synchronise)
     monkeypatch.setattr(os, "posix_fallocate", allocate)
+    monkeypatch.setattr(_files, "fcntl", None)
     _files.require_room(tmp_path / "a.txt", 100)
     with _files.published(tmp_path / "a.txt") as file:
         file.write(b"whole")

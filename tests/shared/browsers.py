@@ -87,6 +87,10 @@ class Opened:
         if shows is not None:
             self.page.wait_for_selector(shows)
 
+    def __getattr__(self, name: str) -> Any:
+        """What the page of Playwright can do."""
+        return getattr(self.page, name)
+
     def settle(self) -> None:
         """Wait until the page has drawn its state."""
         self.page.evaluate(

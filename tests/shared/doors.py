@@ -235,7 +235,7 @@ def grown(
     scene: Scene, rows: Any, mass: float, time: float, threads: int, **options: Any
 ) -> list[dict[str, Any]]:
     of, omega, attitude, count = _start(scene, rows, time)
-    t = time * np.array([2.0, 5.0])
+    t = time * np.array([1.0, 2.5])
     options = {"of": "attitude", "threads": threads, **options}
     growth = rigid.lyapunov(of, omega, attitude, t=t, **options)
     return _of_each(growth, _columns(rigid.Growth), count)

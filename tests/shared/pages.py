@@ -13,14 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rigid.animation.explorer import Explorer
+
 __all__ = ["NODE", "content", "under_node", "unpacked"]
 
 NODE = shutil.which("node")
 
 
-def content(page: Path) -> dict[str, Any]:
+def content(page: Path | Explorer) -> dict[str, Any]:
     """The map that a page holds."""
-    found = re.search(r'<script type="application/json" id="map">(.*?)</script>', page.read_text())
+    text = page.read_text() if isinstance(page, Path) else page.page
+    found = re.search(r'<script type="application/json" id="map">(.*?)</script>', text)
     assert found is not None
     held: dict[str, Any] = json.loads(found[1])
     return held

@@ -239,9 +239,7 @@ class Table:
         """
         rows, costs, bins = new
         units = rows["unit"]
-        if units.size == 0:
-            return
-        if units.min() < 0 or units.max() >= len(self.rows):
+        if ((units < 0) | (units >= len(self.rows))).any():
             raise StoreError(f"{source}: a row of a unit that the map does not have")
         again = self.known[units]
         if again.any():

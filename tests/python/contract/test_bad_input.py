@@ -456,12 +456,13 @@ def test_scenes_and_bodies_are_values() -> None:
 SCRIPT = Path(__file__).parents[2] / "long" / "fuzz.py"
 
 
-@pytest.mark.parametrize("target", TARGETS)
-def test_whatever_comes_in_is_refused_or_understood(target: str) -> None:
-    done = run_python(str(SCRIPT), "--target", target, "--cases", "150", check=False)
+def test_whatever_comes_in_is_refused_or_understood() -> None:
+    done = run_python(str(SCRIPT), "--cases", "150", check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-    _, _, accepted, refused, _, _ = done.stdout.splitlines()[1].split()
-    assert int(accepted) > int(refused) > 0  # most cases get past the door
+    rows = [line.split() for line in done.stdout.splitlines()[1:]]
+    assert [row[0] for row in rows] == list(TARGETS)
+    for _, _, accepted, refused, _, _ in rows:
+        assert int(accepted) > int(refused) > 0  # most cases get past the door
 
 
 # Directions and rotations with four decimals, or in single precision, are what they stand for.

@@ -129,7 +129,9 @@ def test_a_notebook_shows_a_picture_and_its_words(name: str, results: dict[str, 
     assert html.escape(words.split()[-1]) in shown
 
 
-def test_a_run_shows_the_first_body_and_what_has_no_picture_its_line() -> None:
+def test_a_run_shows_the_first_body_and_what_has_no_picture_its_words(
+    results: dict[str, Any],
+) -> None:
     starts, times = [[1e-3, 10.0, 1e-3]] * 3, [0.0, 1.0, 2.0]
     assert "body 0" in rigid.simulate(BOX, starts, t=times)._repr_html_()
     for run in (
@@ -138,6 +140,8 @@ def test_a_run_shows_the_first_body_and_what_has_no_picture_its_line() -> None:
         rigid.simulate(BOX, np.ones((2, 2, 3)), t=times),
     ):
         assert run._repr_html_() == html_text(repr(run))
+    extremes = results["extremes"]
+    assert extremes._repr_html_() == html_text(str(extremes))
 
 
 @pytest.mark.parametrize(("name", "rows"), [("plan", 8), ("methods", len(rigid.methods()) + 1)])
@@ -169,42 +173,15 @@ points = rigid.poincare(TOP, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=30.0)
 RUN = "run = rigid.simulate(TOP, [0.3, 0.4, 1.0], t=np.linspace(0.0, 3.0, 31))"
 
 
-def test_pyplot_shows_the_pictures_of_a_script_that_imports_it() -> None:
+def test_a_picture_needs_no_display_and_pyplot_shows_those_of_a_script_that_imports_it() -> None:
     python_process(
-        CODE + "import matplotlib; matplotlib.use('agg'); import matplotlib.pyplot as plt\n"
+        CODE + "points.plot().figure.canvas.draw(); assert 'matplotlib.pyplot' not in sys.modules\n"
+        "import matplotlib; matplotlib.use('agg'); import matplotlib.pyplot as plt\n"
         "ax = points.plot(); assert [ax.figure.number] == plt.get_fignums()\n"
         "rigid.figures.box(rigid.Body.box(0.25, 0.08, 0.01)).plot()\n"
         "assert len(plt.get_fignums()) == 2\n"
         "points._repr_html_(); assert len(plt.get_fignums()) == 2\n"
     )
-
-
-def test_without_pyplot_a_picture_needs_no_display() -> None:
-    python_process(
-        CODE + "points.plot().figure.canvas.draw(); assert 'matplotlib.pyplot' not in sys.modules"
-    )
-
-
-def test_a_notebook_shows_what_is_plotted(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name, value in environment().items():
-        monkeypatch.setenv(name, value)
-    monkeypatch.setenv("JUPYTER_PLATFORM_DIRS", "1")
-    cells = [CODE, "ax = points.plot()", "points", "rigid.methods()", RUN, "run", "ax = run.plot()"]
-    new: Any = nbformat.v4
-    notebook = new.new_notebook(
-        cells=[new.new_code_cell(cell) for cell in cells],
-        metadata={"kernelspec": {"name": "python3", "display_name": "Python"}},
-    )
-    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": tmp_path}}).execute()
-    _, plotted, shown, table, _, strip, rates = (
-        [set(output["data"]) for output in cell.outputs if "data" in output]
-        for cell in notebook.cells
-    )
-    assert any("image/png" in data for data in plotted)
-    assert shown == [{"text/html", "text/plain"}]
-    assert table == [{"text/html", "text/plain"}]
-    assert strip == [{"text/html", "text/plain"}]
-    assert any("image/png" in data for data in rates)
 
 
 # Tutorials as notebooks: valid, without tests, and they run and show pictures.
@@ -266,14 +243,26 @@ def test_text_code_and_formulas_are_cells() -> None:
     assert markdown("See :doc:`maps </maps>`, :func:`rigid.fit`.") == "See maps, `rigid.fit`."
 
 
-def test_a_tutorial_runs_as_a_notebook_and_shows_pictures(
+def test_a_tutorial_runs_as_a_notebook_that_shows_what_is_plotted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """And what cells after it plot and show."""
     for name, value in environment().items():
         monkeypatch.setenv(name, value)
+    monkeypatch.setenv("JUPYTER_PLATFORM_DIRS", "1")
     assert main(["tutorials", str(tmp_path)]) == 0
     path = tmp_path / "1_free_rotation.ipynb"
     read: Any = nbformat.read(path, as_version=4)  # type: ignore[no-untyped-call]
+    own = [CODE, "ax = points.plot()", "points", "rigid.methods()", RUN, "run", "ax = run.plot()"]
+    new: Any = nbformat.v4
+    tutorial, read.cells = read.cells, [*read.cells, *map(new.new_code_cell, own)]
     NotebookClient(read, timeout=300, resources={"metadata": {"path": tmp_path}}).execute()
-    outputs = [output for cell in read.cells for output in cell.get("outputs", [])]
-    assert any("image/png" in output.get("data", {}) for output in outputs)
+    shown = [
+        [set(output["data"]) for output in cell.get("outputs", []) if "data" in output]
+        for cell in read.cells
+    ]
+    assert any("image/png" in data for cell in shown[: len(tutorial)] for data in cell)
+    _, plotted, points, table, _, strip, rates = shown[len(tutorial) :]
+    assert any("image/png" in data for data in plotted)
+    assert points == table == strip == [{"text/html", "text/plain"}]
+    assert any("image/png" in data for data in rates)

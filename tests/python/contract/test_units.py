@@ -1,7 +1,7 @@
 """Quantities with units become numbers in SI units at the door, or are refused in words."""
 
 import warnings
-from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -120,53 +120,54 @@ def test_steps_of_milliseconds_by_torques_of_millimetres() -> None:
 
 
 BODY = rigid.Body((1.0, 1.5, 2.0))
-REFUSED: list[tuple[Callable[[], object], str]] = [
-    (
-        lambda: rigid.simulate(BODY, Q([1.0, 0.0, 0.0], "m"), t=[1.0]),
-        r"omega in meter: must be in rad/s or a unit of its kind",
-    ),
-    (
-        lambda: rigid.simulate(BODY, Q([1.0, 0.0, 0.0], "kHz"), t=[1.0]),
-        r"omega in kilohertz: a rate is in rad/s, rpm or degrees per second",
-    ),
-    (
-        lambda: rigid.simulate(BODY, [0.0, 0.0, Q(1.0, "kg")], t=[1.0]),
-        r"omega in kilogram: must be in rad/s",
-    ),
-    (
-        lambda: rigid.simulate(BODY, [1.0, 0.0, 0.0], t=Q([1.0], "rad")),
-        r"t in radian: must be in s or",
-    ),
-    (lambda: rigid.Body.box(1.0, 2.0, 3.0, mass=Q(1.0, "m")), r"mass in meter: must be in kg"),
-    (lambda: rigid.Body.box(Q(1.0, "kg"), 2.0, 3.0), r"a in kilogram: must be in m or"),
-    (
-        lambda: rigid.normal(Q(1.0, "s")),
-        r"size in second: must be in rad/s or rad or a unit of its kind",
-    ),
-    (
-        lambda: rigid.Motion(BODY, [1.0, 0.0, 0.0]).step(Q(5.0, "percent")),
-        r"dt in percent: must be in s or a unit of its kind",
-    ),
-    (
-        lambda: rigid.Motion(BODY, [1.0, 0.0, 0.0]).step(0.1, (0.1, Q(5.0, "percent"), 0.2)),
-        r"torque in percent: must be in N m or a unit of its kind",
-    ),
-    (
-        lambda: rigid.maps.axes.make_axes({"spin": Q([1.0], "N")}),
-        r"axes\['spin'\] in newton: must be in rad/s",
-    ),
-    (
-        lambda: rigid.maps.axes.make_axes({"I2/I1": Q([1.0], "kg")}),
-        r"axes\['I2/I1'\] in kilogram: takes numbers without units",
-    ),
-    (
-        lambda: rigid.simulate(BODY, [1.0, 0.0, 0.0], t=[1.0], accuracy=Q(1.0, "m")),
-        r"accuracy in meter: takes numbers without units",
-    ),
-]
+RATES = [1.0, 0.0, 0.0]
 
 
-test_a_quantity_of_another_kind_is_refused = refuses(REFUSED)
+def moved(omega: Any = RATES, **options: Any) -> rigid.Run:
+    return rigid.simulate(BODY, omega, **{"t": [1.0], **options})
+
+
+def stepped(*how: Any) -> None:
+    rigid.Motion(BODY, RATES).step(*how)
+
+
+def axes(**given: Any) -> None:
+    rigid.maps.axes.make_axes(given)
+
+
+test_a_quantity_of_another_kind_is_refused = refuses(
+    [
+        (moved, Q(RATES, "m"), r"omega in meter: must be in rad/s or a unit of its kind"),
+        (
+            moved,
+            Q(RATES, "kHz"),
+            r"omega in kilohertz: a rate is in rad/s, rpm or degrees per second",
+        ),
+        (moved, [0.0, 0.0, Q(1.0, "kg")], r"omega in kilogram: must be in rad/s"),
+        (partial(moved, t=Q([1.0], "rad")), r"t in radian: must be in s or"),
+        (partial(moved, accuracy=Q(1.0, "m")), r"accuracy in meter: takes numbers without units"),
+        (partial(rigid.Body.box, mass=Q(1.0, "m")), 1.0, 2.0, 3.0, r"mass in meter: must be in kg"),
+        (rigid.Body.box, Q(1.0, "kg"), 2.0, 3.0, r"a in kilogram: must be in m or"),
+        (
+            rigid.normal,
+            Q(1.0, "s"),
+            r"size in second: must be in rad/s or rad or a unit of its kind",
+        ),
+        (stepped, Q(5.0, "percent"), r"dt in percent: must be in s or a unit of its kind"),
+        (
+            stepped,
+            0.1,
+            (0.1, Q(5.0, "percent"), 0.2),
+            r"torque in percent: must be in N m or a unit of its kind",
+        ),
+        (partial(axes, spin=Q([1.0], "N")), r"axes\['spin'\] in newton: must be in rad/s"),
+        (
+            partial(axes, **{"I2/I1": Q([1.0], "kg")}),
+            r"axes\['I2/I1'\] in kilogram: takes numbers without units",
+        ),
+    ],
+    by=lambda call, *given: call(*given),
+)
 
 
 def test_no_unit_is_lost_in_silence() -> None:

@@ -1,5 +1,6 @@
 """The numbers under the figures of free motions and of drift, and that the figures show them."""
 
+import re
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,9 @@ def test_the_ellipsoid_touches_the_plane_in_the_contact(frame: int) -> None:
     run = poinsot_run()
     data = figures.poinsot(run, frame=frame)
     assert data.t == run.t[frame]
+    with pytest.raises(AttributeError, match="t: the data of a figure do not change"):
+        data.t = 0.0
+    assert re.fullmatch(r"Picture\((\w+, )*contact(, \w+)*\)", repr(data))
     assert data.contact[2] == pytest.approx(data.distance, rel=1e-14)
     np.testing.assert_allclose(data.herpolhode[:, 2], data.distance, rtol=1e-13)
     # The highest point of the ellipsoid is in the plane and is the contact: it is tangent there.

@@ -15,12 +15,13 @@ from rigid.model.scene import Scene
 from rigid.reports.plot import OTHERS, colour_of
 
 BOX = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
-
-
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
-
-
 START = (0.3, 1.0, 0.2)
+
+
+def reported(*methods: Any, scene: Scene = BOX, **options: Any) -> rigid.Report:
+    given = {"bodies": 1, "seconds": 10.0, "progress": False, **options}
+    return rigid.report(scene, START, methods=methods, **given)
 
 
 def rates_of_change(scene: Any, omega: Floats, attitude: Floats) -> tuple[Floats, Floats]:
@@ -67,16 +68,7 @@ def by_scipy(scene: Any, t: float, omega: Floats, attitude: Floats, step: float,
 
 @pytest.mark.parametrize("scene", [BOX, TOP])
 def test_an_own_scheme_has_its_order_and_its_errors(scene: Scene) -> None:
-    report = rigid.report(
-        scene,
-        START,
-        t_end=1.0,
-        bodies=1,
-        methods=["rk4", rigid.scheme("heun", heun)],
-        errors=[1e-3],
-        seconds=10.0,
-        progress=False,
-    )
+    report = reported("rk4", rigid.scheme("heun", heun), scene=scene, t_end=1.0, errors=[1e-3])
     assert report.order("heun") == pytest.approx(2.0, abs=0.15)
     assert report.order("rk4") == pytest.approx(4.0, abs=0.3)
     truth = rigid.simulate(scene, START, t=[1.0], accuracy=1e-12)
@@ -104,31 +96,15 @@ def test_an_own_scheme_has_its_order_and_its_errors(scene: Scene) -> None:
 
 
 def test_an_own_solver_may_choose_its_steps() -> None:
-    report = rigid.report(
-        BOX,
-        START,
-        t_end=1.0,
-        bodies=2,
-        methods=[rigid.scheme("scipy", by_scipy)],
-        errors=[1e-6],
-        seconds=5.0,
-        progress=False,
-    )
+    report = reported(rigid.scheme("scipy", by_scipy), t_end=1.0, bodies=2, errors=[1e-6])
     assert all(row.error < 1e-8 for row in report.of("scipy"))
 
 
 def test_energy_of_an_own_scheme_grows_over_revolutions() -> None:
     """Heun's rule adds energy evenly: ten times the time, ten times the energy."""
-    report = rigid.report(
-        BOX,
-        START,
-        revolutions=[10, 100],
-        bodies=1,
-        methods=[rigid.scheme("heun", heun)],
-        seconds=600.0,  # a bound that no machine reaches: every step is measured
-        progress=False,
-    )
-    shortest = report.of("heun", 100.0)[-1]
+    # A bound that no machine reaches: every step is measured.
+    report = reported(rigid.scheme("heun", heun), revolutions=[3, 30], seconds=600.0)
+    shortest = report.of("heun", 30.0)[-1]
     first, last = report.growth(shortest)
     assert last.energy_drift == pytest.approx(10.0 * first.energy_drift, rel=0.2)
     assert 0.0 < last.momentum_drift < 1e-2
@@ -136,28 +112,26 @@ def test_energy_of_an_own_scheme_grows_over_revolutions() -> None:
 
 def test_under_forces_the_energy_is_not_known() -> None:
     damped = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), damping=0.1)
-    own = rigid.scheme("heun", heun)
-    report = rigid.report(
-        damped,
-        START,
-        t_end=0.1,
-        bodies=1,
-        methods=[own],
-        errors=[1e-1],
-        seconds=5.0,
-        progress=False,
-    )
+    report = reported(rigid.scheme("heun", heun), scene=damped, t_end=0.1, errors=[1e-1])
     assert all(np.isinf(row.energy_drift) for row in report.rows)
+
+
+def test_a_scheme_may_refuse_long_steps() -> None:
+    """The first are of 4/7 s; steps are halved, and only what was run has a row."""
+
+    def careful(scene: Any, t: float, omega: Floats, attitude: Floats, *how: Any) -> Any:
+        if how[0] > 0.3:
+            raise ValueError("so long a step would be unstable")
+        return heun(scene, t, omega, attitude, *how)
+
+    report = reported(rigid.scheme("careful", careful), t_end=4.0, errors=[1e-3])
+    assert not report.refused
+    assert report.rows[0].step == 4 / 14
+    assert all(row.error < 0.1 for row in report.rows)
 
 
 def unable(*_: object) -> Any:
     raise ValueError("needs no damping")
-
-
-def asked(one: Any, *others: Any) -> Any:
-    return rigid.report(
-        BOX, START, t_end=0.1, methods=[one, *others], bodies=1, seconds=1.0, progress=False
-    )
 
 
 test_what_is_refused = refuses(
@@ -165,16 +139,16 @@ test_what_is_refused = refuses(
         (lambda: rigid.scheme("", heun), TypeError, "name = '': must be a name"),
         (lambda: rigid.scheme("a", 3), TypeError, "function = 3: must be callable"),  # type: ignore[arg-type]
         (
-            lambda: asked(rigid.scheme("rk4", heun)),
+            lambda: reported(rigid.scheme("rk4", heun), t_end=0.1),
             "methods[0] = 'rk4': is a method of the library",
         ),
         (
-            lambda: asked(rigid.scheme("a", lambda *_: None)),
+            lambda: reported(rigid.scheme("a", lambda *_: None), t_end=0.1),
             TypeError,
             "a: must return rates and attitudes of shapes (1, 3) and (1, 4), got None",
         ),
         (
-            lambda: asked(rigid.scheme("a", unable)),
+            lambda: reported(rigid.scheme("a", unable), t_end=0.1),
             "methods = ['a']: none integrates the scene: a: needs no damping",
         ),
     ],

@@ -49,28 +49,24 @@ LAGRANGE = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.4)), mgl=1.0)
 #: Seconds that no report of these tests needs, also on a slow machine: it ends when it is done.
 ENOUGH = 600.0
 ASYMMETRIC = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2)
+TUMBLE = (0.4, 0.7, 2.0)
+
+
+def reported(scene: Scene = BOX, *start: Any, **options: Any) -> rigid.Report:
+    given = {"t_end": 0.5, "seconds": ENOUGH, "progress": False, **options}
+    return rigid.report(scene, *(start or (THROW,)), **given)
 
 
 @pytest.fixture(scope="module")
 def box() -> rigid.Report:
     """Two methods against the closed form, with more time than they need."""
-    return rigid.report(
-        BOX,
-        THROW,
-        t_end=0.5,
-        methods=["exact", "rk4", "splitting"],
-        errors=[1e-3, 1e-5],
-        seconds=ENOUGH,
-        progress=False,
-    )
+    return reported(methods=["exact", "rk4", "splitting"], errors=[1e-3, 1e-5])
 
 
 @pytest.fixture(scope="module")
 def top() -> rigid.Report:
     """A top without a closed form, and time for little more than its reference."""
-    return rigid.report(
-        ASYMMETRIC, (0.4, 0.7, 2.0), t_end=1.0, errors=[1e-2], seconds=0.5, progress=False
-    )
+    return reported(ASYMMETRIC, TUMBLE, t_end=1.0, errors=[1e-2], seconds=0.5)
 
 
 # What is measured
@@ -235,9 +231,7 @@ def test_rounds_of_timings_go_on_until_nine_or_the_time_is_over(
 
 def test_errors_are_those_of_the_state_against_the_closed_form(box: rigid.Report) -> None:
     """The first body of the ensemble is the given one; the median is that of one body."""
-    alone = rigid.report(
-        BOX, THROW, t_end=0.5, methods=["rk4"], bodies=1, errors=[1e-3], progress=False
-    )
+    alone = reported(methods=["rk4"], bodies=1, errors=[1e-3])
     truth: Any = rigid.simulate(BOX, THROW, t=[0.5])
     for row in alone.rows:
         assert row.step is not None
@@ -309,7 +303,7 @@ def test_a_converged_reference_is_as_exact_as_it_says(name: str) -> None:
 
 
 def test_the_reference_is_not_converged_in_no_time_and_says_so() -> None:
-    spec = make_spec(ASYMMETRIC, (0.4, 0.7, 2.0), t_end=20.0, bodies=8)
+    spec = make_spec(ASYMMETRIC, TUMBLE, t_end=20.0, bodies=8)
     ensemble = ensemble_of(spec)
     hasty, short = find_reference(ensemble, ["splitting"], lambda _: False)
     _, truth = find_reference(ensemble, ["rk4"], lambda _: True)
@@ -459,16 +453,8 @@ def test_no_error_below_the_uncertainty_of_the_reference_is_told(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("rigid.reports.sweep.MOST_ROUNDS", 1)  # times are not looked at
-    result = rigid.report(
-        ASYMMETRIC,
-        (0.4, 0.7, 2.0),
-        t_end=0.2,
-        methods=["rk4", "taylor16"],
-        bodies=8,
-        errors=[1e-15],
-        seconds=ENOUGH,
-        progress=False,
-    )
+    few = {"methods": ["rk4", "taylor16"], "bodies": 8}
+    result = reported(ASYMMETRIC, TUMBLE, t_end=0.2, errors=[1e-15], **few)
     bound = result.reference.uncertainty
     assert all(row.error >= bound for row in result.rows)
     assert result.of("rk4")[-1].mark == AT_UNCERTAINTY
@@ -479,16 +465,8 @@ def test_no_error_below_the_uncertainty_of_the_reference_is_told(
 
 def test_after_the_horizon_of_chaos_rows_are_marked() -> None:
     case = golden_scene("heavy_asymmetric/chaotic_strong")
-    result = rigid.report(
-        case.scene,
-        case.omega0,
-        case.attitude0,
-        t_end=60.0,
-        methods=["splitting"],
-        bodies=32,
-        seconds=0.3,
-        progress=False,
-    )
+    start = case.omega0, case.attitude0
+    result = reported(case.scene, *start, t_end=60.0, methods=["splitting"], bodies=32, seconds=0.3)
     useless = [row for row in result.rows if row.error >= 1.0]
     assert useless
     assert {row.mark for row in useless} <= {USELESS, "failed"}
@@ -505,9 +483,7 @@ def test_what_is_not_applicable_is_listed_with_its_reason(top: rigid.Report) -> 
 def test_a_step_that_is_too_long_to_be_stable_refuses_no_method() -> None:
     """Over the horizon in one step ``rk4`` would be unstable; in short ones it is not."""
     damped = rigid.HeavyTop(ASYMMETRIC.body, mgl=1.2, damping=1.0)
-    result = rigid.report(
-        damped, (0.4, 0.7, 2.0), t_end=50.0, methods=["rk4"], seconds=0.3, progress=False
-    )
+    result = reported(damped, TUMBLE, t_end=50.0, methods=["rk4"], seconds=0.3)
     assert result.refused == {}
     assert min(row.error for row in result.of("rk4")) < 1e-3
 
@@ -523,16 +499,8 @@ def test_a_step_that_is_too_long_to_be_stable_refuses_no_method() -> None:
 def test_a_table_may_end_where_the_report_ends(forces: Any) -> None:
     """No timed run goes on beyond it, and the order of ``rk4`` is 4."""
     scene = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), **forces)
-    result = rigid.report(
-        scene,
-        (0.3, 0.2, 0.5),
-        t_end=5.0,
-        bodies=2,
-        methods=["rk4", "taylor20"],
-        errors=[1e-6],
-        seconds=10.0,
-        progress=False,
-    )
+    few = {"methods": ["rk4", "taylor20"], "bodies": 2}
+    result = reported(scene, (0.3, 0.2, 0.5), t_end=5.0, errors=[1e-6], seconds=10.0, **few)
     assert result.refused == {}
     assert result.order("rk4") == pytest.approx(4.0, abs=0.5)
 
@@ -545,8 +513,8 @@ MOTIONS: dict[str, tuple[Scene, tuple[float, float, float]]] = {
     "symmetric": (rigid.FreeBody(rigid.Body((1.0, 1.0, 1.0033))), (0.1, 0.0, 6.3)),
     "sphere": (rigid.FreeBody(rigid.Body((2.0, 2.0, 2.0))), (0.1, 0.2, 0.3)),
     "lagrange": (LAGRANGE, (0.1, 0.0, 6.0)),
-    "top": (ASYMMETRIC, (0.4, 0.7, 2.0)),
-    "damped": (rigid.HeavyTop(ASYMMETRIC.body, mgl=1.2, damping=0.1), (0.4, 0.7, 2.0)),
+    "top": (ASYMMETRIC, TUMBLE),
+    "damped": (rigid.HeavyTop(ASYMMETRIC.body, mgl=1.2, damping=0.1), TUMBLE),
     "at rest": (BOX, (0.0, 0.0, 0.0)),
 }
 
@@ -855,6 +823,7 @@ def test_the_table_names_methods_reference_and_wanted_errors(box: rigid.Report) 
 def test_json_there_and_back(box: rigid.Report, top: rigid.Report, tmp_path: Path) -> None:
     for result in (box, top):
         assert rigid.Report.from_json(result.to_json()) == result
+        assert ReportSpec.from_dict(json.loads(result.spec.to_json())) == result.spec
     lost = dataclasses.replace(box.rows[-1], error=math.inf, worst=math.inf, mark="failed")
     broken = dataclasses.replace(box, rows=(lost,))
     assert rigid.Report.from_json(broken.to_json()) == broken
@@ -994,6 +963,18 @@ def test_progress_only_grows_and_ends_at_its_total() -> None:
     done = [progress.done for progress in seen]
     assert done == sorted(set(done))
     assert done[-1] == seen[-1].total == 100
+
+
+def test_a_processor_without_a_file_about_it_is_named_by_its_kind(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def missing(*_: object, **__: object) -> None:
+        raise FileNotFoundError
+
+    monkeypatch.setattr("builtins.open", missing)
+    monkeypatch.setattr("platform.processor", lambda: "")
+    monkeypatch.setattr("platform.machine", lambda: "arm64")
+    assert compute._cpu() == "arm64"
 
 
 def test_stages_share_the_time(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import subprocess
 import sys
 import tarfile
@@ -19,7 +20,7 @@ from rigid.cli import main
 from rigid.store import drive as driving
 from rigid.store import log as logging
 from rigid.store.log import Found, read_log
-from rigid.store.rows import Table
+from rigid.store.rows import ROW, Table
 from rigid.store.running import Folder
 from small_maps import small_map
 from stores import SPEC, FailingDisk, Gone, go_on, numbers
@@ -168,6 +169,16 @@ def test_records_of_another_map_are_not_accepted(log: bytes, run: Folder) -> Non
     assert found.damage
 
 
+def test_rows_of_another_kind_are_not_accepted(
+    log: bytes, run: Folder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(logging, "ROW", ROW[["unit"]])
+    table, found = read(log, run)
+    assert not table.known.any()
+    assert len(found.damage) == RECORDS
+    assert all(said.startswith("a record of another kind of rows at byte") for said in found.damage)
+
+
 def test_a_member_that_claims_a_terabyte_takes_no_memory(run: Folder) -> None:
     info = tarfile.TarInfo("00000000-" + 32 * "0" + ".npy")
     info.size = 8**11 - 1
@@ -221,6 +232,16 @@ def disk(tmp_path: Path) -> Iterator[Path]:
         yield place
     finally:
         command("umount", str(place)).check_returncode()
+
+
+def test_a_system_without_some_calls_stores_the_same_rows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    go_on(tmp_path / "quiet")
+    for name in ("writev", "fdatasync"):
+        monkeypatch.delattr(os, name)
+    go_on(tmp_path / "run")
+    assert numbers(tmp_path / "run") == numbers(tmp_path / "quiet")
 
 
 def test_a_map_on_a_full_disk_goes_on_when_there_is_room(

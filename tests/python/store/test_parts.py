@@ -3,20 +3,24 @@
 import itertools
 import math
 import os
+import tarfile
 import time
 from calendar import timegm
+from io import BytesIO
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import rigid
-from rigid.store.head import Head, divided
+from rigid.store.head import Head, divided, moment_status
 from rigid.store.log import UTC
 from rigid.store.resume import GOLDEN, Part, missing
 from rigid.store.rows import Block
 from rigid.store.running import Folder, Memory
+from rigid.store.status import foresee
 from small_maps import assert_same_map, saved_bytes, small_map, spec_of
 from stores import SPEC, go_on, stops_after, stored_map
 
@@ -77,6 +81,12 @@ def test_rows_in_memory_grow_with_the_pixels_alone() -> None:
         units = Memory(spec_of_grid(columns, rows, samples)).head.units
         assert units <= max(columns * rows, 2**14 + columns * rows)
     assert Memory(spec_of_grid(8, 1, 200)).head.segment == 64
+
+
+def test_moments_of_many_pixels_are_told_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rigid.store.head.PIXELS_TOGETHER", 7)
+    assert set(SPEC.grid.status) == {0, 3}
+    np.testing.assert_array_equal(moment_status(SPEC), SPEC.grid.status)
 
 
 def test_few_pixels_are_divided_evenly() -> None:
@@ -183,6 +193,30 @@ def test_an_interruption_inside_of_pixels_counts_whole_ones(
     assert units % 3
     words = f"{units // 3} of 8 pixels ({units} of 24 pieces) are stored"
     assert pixels_done(Folder(tmp_path / "run")) == words
+
+
+def test_a_cost_is_foreseen_from_whole_looks_and_a_size_is_that_of_the_tables(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[int, int, int]] = []
+
+    def made(spec: Any, pixels: Any, samples: int, *_: Any) -> Any:
+        def run(begin: int, end: int, _threads: int) -> None:
+            asked.append((begin, end, len(pixels) * samples))
+
+        return SimpleNamespace(run=run)
+
+    monkeypatch.setattr("rigid.store.status.to_core", made)
+    monkeypatch.setattr("rigid._timing.REPEATED", 0.0)
+    foreseen = foresee(SPEC, store=None, seeded=True, threads=1, part=None)
+    assert len(asked) > 1
+    assert all((begin, end) == (0, bodies) for begin, end, bodies in asked)
+    go_on(tmp_path / "run")
+    (log,) = (tmp_path / "run" / "logs").iterdir()
+    with tarfile.open(log) as archive:
+        members: list[Any] = [archive.extractfile(one) for one in archive if ".npy" in one.name]
+        tables = [np.load(BytesIO(member.read())) for member in members]
+    assert foreseen.stored == sum(table.nbytes for table in tables)
 
 
 def test_the_status_never_tells_a_time_that_is_not_known(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,11 +14,12 @@ import rigid
 from refusals import refuses
 from rigid.store import resume
 from rigid.store.disk import Disk
+from rigid.store.head import MOST_BYTES
 from rigid.store.log import Log
 from rigid.store.rows import ROW, Block
 from rigid.store.running import Folder, Memory
 from rigid.store.store import Store
-from small_maps import small_map, spec_of
+from small_maps import in_blocks, small_map, spec_of
 from stores import SPEC, go_on, numbers, request, stops_after
 
 UNITS = np.array([145, 146, 147, 148, 150, 151])
@@ -167,6 +169,10 @@ def test_a_title_is_no_part_of_the_key(tmp_path: Path) -> None:
 
 
 HEAD: dict[str, tuple[Callable[[dict[str, object]], object], str]] = {
+    "long": (
+        lambda head: json.dumps(head) + " " * MOST_BYTES,
+        f"is no running map: its head has more than {MOST_BYTES} B",
+    ),
     "no JSON": (lambda head: "x", "is no running map: Expecting value"),
     "other JSON": (lambda head: "[]", "is no running map: its head.json has another format"),
     "other format": (
@@ -277,6 +283,18 @@ def test_differences_of_two_maps_are_told_by_their_intervals() -> None:
     told = int(re.match(r"(\d+) of", rigid.diff(one, shorter).numbers[0])[1])  # type: ignore[index]
     meet = (one.lower <= shorter.upper) & (shorter.lower <= one.upper)
     assert told == (~meet).sum() > 3
+
+    def stop(_: rigid.Progress) -> None:
+        raise KeyboardInterrupt
+
+    with in_blocks(7):
+        begun = small_map(rng=2, partial=True, progress=stop)
+    known = int((begun.samples > 0).sum())
+    assert 0 < known < 35
+    for first, second in ((one, begun), (begun, one)):
+        numbers_of_both = rigid.diff(first, second).numbers
+        assert numbers_of_both[0].startswith(f"0 of {known} pixels")
+        assert "nan" not in numbers_of_both[1]
     axes = {"I2/I1": [1.2, 1.5]}
     assert rigid.diff(one, small_map(axes=axes)).numbers == [
         "the axes differ: the pixels cannot be compared"
@@ -300,6 +318,11 @@ def test_the_status_counts_rows_writers_and_damage(tmp_path: Path) -> None:
     assert not status.complete
     assert status.writers[0]["units"] == 10
     assert "10 of" in str(status)
+    assert "twice" not in str(status)
+    shutil.copy(log, log.with_name("20260101T000000Z-0123456789ab.tar"))
+    status = rigid.open_store(folder.path).status()
+    assert (status.done, status.twice) == (10, 10)
+    assert "twice       10 rows were computed twice, with equal bytes" in str(status)
     assert repr(rigid.open_store(folder.path)).endswith("10 units are stored>")
     assert isinstance(rigid.open_store(folder.path), Store)
 

@@ -301,6 +301,10 @@ def test_killed_runs_go_on_to_the_same_bytes(tmp_path: Path) -> None:
         kills += process.wait() != 0
         process.stdout.close()
     assert kills
+    status = rigid.open_store(path).status()
+    lacking = [writer["missing"] for writer in status.writers if not writer.get("reason")]
+    assert lacking == [status.missing] * kills
+    assert "running or killed, wrote " in str(status)
     go_on(path)
     assert numbers(path) == numbers(tmp_path / "quiet")
     assert Folder(path).table.twice == 0
