@@ -16,6 +16,7 @@ from .._archive import write_archive
 from .._checks.arguments import brief, shaped, sorted_times, vector
 from .._checks.arrays import Floats
 from .._checks.moments import refuse_rods
+from .._checks.overflow import refuses_overflow
 from .._checks.progress import ProgressOption, reporting
 from .._checks.shown import aligned
 from .._checks.warned import warn_caller
@@ -250,6 +251,7 @@ def _unit(name: str) -> str:
     return PARAMETERS[name].unit.replace("1", "") if unit is None else unit
 
 
+@refuses_overflow
 def fit(
     scene: Scene | Body,
     t: ArrayLike,
@@ -331,8 +333,8 @@ def fit(
         Naming the argument and the rule: an unknown or repeated parameter; shapes that do not fit;
         a sigma that is not positive; fewer measurements than parameters; ratios that follow from
         each other; damping that is not diagonal; a torque that is a table; a first time other than
-        0 of a scene with a clock, the table of a torque or an orbit; derivatives that overflow in a
-        long chaotic motion.
+        0 of a scene with a clock, the table of a torque or an orbit; a motion over more than 1e7
+        rad; derivatives that overflow in a long chaotic motion.
 
     Examples
     --------
