@@ -85,15 +85,16 @@ def test_solids_against_quadrature_over_their_volume() -> None:
         return np.stack(points, axis=-1), 2.0 * pi * 3.0 * distance
 
     cases = [
-        (solids.box(1.0, 2.0, 3.0), solids.box_region([-0.5, -1, -1.5], [0.5, 1, 1.5])),
-        (solids.ellipsoid(1.0, 2.0, 3.0), solids.ellipsoid_region(1.0, 2.0, 3.0)),
-        (solids.cylinder(2.0, 3.0), solids.cylinder_region(2.0, 3.0)),
-        (solids.cylinder(2.0, 3.0, inner=1.0), solids.Region("pipe", pipe)),
-        (solids.cone(2.0, 3.0), solids.Region("cone", cone)),
+        (6.0, solids.box(1.0, 2.0, 3.0), solids.box_region([-0.5, -1, -1.5], [0.5, 1, 1.5])),
+        (8.0 * pi, solids.ellipsoid(1.0, 2.0, 3.0), solids.ellipsoid_region(1.0, 2.0, 3.0)),
+        (12.0 * pi, solids.cylinder(2.0, 3.0), solids.cylinder_region(2.0, 3.0)),
+        (9.0 * pi, solids.cylinder(2.0, 3.0, inner=1.0), solids.Region("pipe", pipe)),
+        (4.0 * pi, solids.cone(2.0, 3.0), solids.Region("cone", cone)),
     ]
-    for formula, region in cases:
+    for volume, formula, region in cases:
         found = solids.density_integral(1.0, region)
         assert found.converged
+        assert found.properties.mass == pytest.approx(volume, rel=1e-12), region.name
         unit = found.properties.tensor / found.properties.mass
         assert formula.tensor == pytest.approx(unit, rel=1e-9, abs=1e-9), region.name
         assert formula.centre == pytest.approx(found.properties.centre, abs=1e-9), region.name
