@@ -185,6 +185,7 @@ def test_a_line_held_straight_has_five_modes_without_frequency() -> None:
     assert springs.pair_system([2.0], [[1.0, 2, 3]], stiffness=1.0).modes().zero == 3
     nothing = springs.pair_system(MASSES, FIVE, stiffness=0.0).modes()
     assert nothing.zero == 15
+    assert springs.pair_system(MASSES, FIVE, stiffness=1.0, pairs=[]).modes().zero == 15
     assert nothing.stiff_step == np.inf
     # Springs at rest do not resist bending at all, and under pressure the line buckles.
     slack = springs.pair_system(np.ones(5), np.arange(5.0)[:, None] * [1, 0, 0], stiffness=1.0)
@@ -314,6 +315,18 @@ def test_a_saddle_is_left_for_the_minimum() -> None:
     start = np.array([0.0, 1.1, 2.3])[:, np.newaxis] * [1.0, 0.0, 0.0]
     row = springs.pair_system([1.0] * 3, start, law=lennard_jones)
     assert float(row.energy(row.equilibrium())) == pytest.approx(-3.0, abs=1e-12)
+
+
+def test_springs_that_break_are_not_torn_on_the_way_to_rest() -> None:
+    """The energy -d - ln(1 - d) / 100 ends at d = 1, and is least at 0.99: a step goes beyond."""
+
+    def brittle(d: Floats) -> tuple[Floats, Floats, Floats]:
+        with np.errstate(invalid="ignore"):
+            energy = -d - 0.01 * np.log(1.0 - d)
+        return energy, 0.01 / (1.0 - d) - 1.0, 0.01 / (1.0 - d) ** 2
+
+    pair = springs.pair_system([1.0, 2.0], [[0.0] * 3, [0.95, 0.0, 0.0]], law=brittle)
+    assert np.ptp(pair.equilibrium(), axis=0)[0] == pytest.approx(0.99, rel=1e-12)
 
 
 def test_a_triangle_that_springs_cannot_close_lies_on_a_line() -> None:

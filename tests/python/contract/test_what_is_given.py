@@ -277,6 +277,10 @@ OVERFLOWS: dict[str, tuple[str, Callable[[], Any]]] = {
         "positions",
         lambda: springs.pair_system([1.0] * 2, [[0.0] * 3, FAST], stiffness=1.0),
     ),
+    "stiff springs": (
+        "stiffness",
+        lambda: springs.spring_body([1.0] * 3, np.eye(3), [0.0, 0.0, 1.0], stiffness=HUGE, t=[1.0]),
+    ),
     "orthogonality": ("matrix", lambda: rotations.orthogonality_error(HUGE * np.eye(3))),
     "starts of an energy": (
         "energy",

@@ -155,6 +155,7 @@ def test_the_table_has_a_row_for_each_number_and_the_reasons_below() -> None:
     )
     formula = Compared(entry=ENTRIES["flip-period"], number=2.0, seconds=0.0).cells()
     assert float(formula[1]) == pytest.approx(ENTRIES["flip-period"].value)
+    assert row.command == "rigid validation earth-chandler"
     assert rigid.Validation((row,))._repr_html_().count("<tr>") == 2
 
 
