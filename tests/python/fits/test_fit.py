@@ -110,7 +110,7 @@ def test_weight_tells_the_moments_themselves() -> None:
 
 def test_no_fit_leaves_what_a_body_can_have() -> None:
     flat = rigid.Body((1.0, 1.5, 2.5))  # at the edge: I3 = I1 + I2
-    for seed in range(6):
+    for seed in range(3):
         rates = measured(flat, 0.05, seed)
         for free in (("I3",), ("I2/I1", "I3/I1"), ("I1", "I2", "I3")):
             guess = rigid.Body((1.0, 1.2 if len(free) > 1 else 1.5, 1.4))
