@@ -440,7 +440,4 @@ REFUSED: list[tuple[Any, ...]] = [
 ]
 
 
-test_refusals_name_the_argument_and_the_rule = refuses(
-    REFUSED,
-    literal=True,
-)
+test_refusals_name_the_argument_and_the_rule = refuses(REFUSED, literal=True)

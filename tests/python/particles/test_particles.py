@@ -50,10 +50,7 @@ def test_totals_of_two_masses_by_hand() -> None:
     # 2 kg at (1, 0, 0) with (0, 3, 0) m/s under (0, 0, 5) N; 1 kg at (0, 4, 0) with (1, 0, 1) m/s
     # under (1, 0, 0) N.
     totals = particles.particle_totals(
-        [2.0, 1.0],
-        [[1, 0, 0], [0, 4, 0]],
-        [[0, 3, 0], [1, 0, 1]],
-        [[0, 0, 5], [1, 0, 0]],
+        [2.0, 1.0], [[1, 0, 0], [0, 4, 0]], [[0, 3, 0], [1, 0, 1]], [[0, 0, 5], [1, 0, 0]]
     )
     assert totals.mass == 3.0
     assert totals.com.tolist() == [2.0 / 3.0, 4.0 / 3.0, 0.0]
@@ -594,7 +591,4 @@ REFUSED: list[tuple[Any, ...]] = [
 ]
 
 
-test_refusals_name_the_argument_and_the_rule = refuses(
-    REFUSED,
-    literal=True,
-)
+test_refusals_name_the_argument_and_the_rule = refuses(REFUSED, literal=True)

@@ -634,5 +634,5 @@ test_refused = refuses(
         (lambda: rotations.attitude_from_omega(prescribed, [0, 1], tolerance=1e-16), "at least"),
         (lambda: rotations.attitude_from_omega(lambda t: [1, 0, 0], [0, 1]), r"omega\(t\): exp"),
         (lambda: rotations.attitude_from_omega(prescribed, [0, 1], frame="node"), "frame = 'node'"),
-    ],
+    ]
 )

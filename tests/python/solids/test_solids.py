@@ -372,7 +372,7 @@ test_refused = refuses(
         (lambda: solids.sampled_density([1.0], [[0, 0, 0]], 1.0), "at least two"),
         (lambda: rigid.Body.sphere(0), "radius = 0.0: must be positive"),
         (lambda: rigid.Body.cylinder(1, 1, mass=-1), "mass = -1.0: must be positive"),
-    ],
+    ]
 )
 
 
