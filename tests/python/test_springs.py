@@ -271,6 +271,7 @@ def test_a_drifting_body_of_springs_is_the_same_in_its_own_frame() -> None:
 
 
 LINE = np.arange(3.0)[:, None] * [1.0, 0.0, 0.0]
+EITHER = "stiffness, rest, law:"
 
 
 def lennard_jones(d: Floats) -> tuple[Floats, Floats, Floats]:
@@ -352,92 +353,73 @@ def test_springs_return_to_their_rest_lengths_to_rounding() -> None:
     np.testing.assert_allclose(now, before, rtol=0.0, atol=left)
 
 
-REFUSED: list[tuple[Any, ...]] = [
-    (
-        lambda: springs.pair_system([1.0, 0.0], FOUR[:2], stiffness=1.0),
-        "masses[1] = 0.0: must be positive",
-    ),
-    (
-        lambda: springs.pair_system([1.0], FOUR[:2], stiffness=1.0),
-        "masses: expected shape (2,), got (1,)",
-    ),
-    (
-        lambda: springs.pair_system([], np.zeros((0, 3)), stiffness=1.0),
-        "positions: expected shape (N, 3) of one or more, got (0, 3)",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(4), FOUR),
-        "stiffness, law: give the stiffness of springs or a law",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(4), FOUR, stiffness=1.0, law=morse),
-        "stiffness, rest, law: give stiffness and rest, or a law, not both",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(4), FOUR, rest=1.0, law=morse),
-        "stiffness, rest, law: give stiffness and rest, or a law, not both",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(4), FOUR, stiffness=-1.0),
-        "stiffness = -1.0: must not be negative",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(3), FOUR[:3], stiffness=[0.0, 1.0, -2.0]),
-        "stiffness[2] = -2.0: must not be negative",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(4), FOUR, stiffness=[1.0, 2.0]),
-        "stiffness: expected shape (6,), got (2,)",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(4), FOUR, stiffness=1.0, rest=float("inf")),
-        "rest = inf: must be finite",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(3), 0.0 * LINE, stiffness=1.0),
-        "positions: points 0 and 1 coincide",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(3), LINE, law=lambda d: (np.nan * d, d, d)),
-        "law: must return energy, first and second derivative of each distance, all finite",
-    ),
-    (lambda: LAWS["morse"].forces(FOUR), "positions: expected 5 particles, got (4, 3)"),
-    (
-        lambda: LAWS["morse"].modes(),
-        "positions: must be an equilibrium, where no force acts (equilibrium() finds one); the lar",
-    ),
-    (
-        lambda: springs.pair_system([1.0] * 3, LINE, law=coulomb).equilibrium(),
-        "positions: no equilibrium was found; the particles fly apart, to ",
-    ),
-    (
-        lambda: springs.pair_system([1.0] * 3, LINE, law=attraction).equilibrium(),
-        "positions: no equilibrium was found in 500 steps; the largest force is ",
-    ),
-    (
-        lambda: springs.pair_system([1.0] * 3, LINE, stiffness=1.0).equilibrium([LINE, LINE]),
-        "positions: expected shape (N, 3), got (2, 3, 3)",
-    ),
-    (
-        lambda: springs.spring_body(np.ones(3), LINE, SPIN, stiffness=1.0, t=[1.0]),
-        "positions, pairs: the springs leave 7 coordinates to first order, a rigid body has 6",
-    ),
-    (
-        lambda: springs.spring_body(
-            FOUR_MASSES,
-            FOUR,
-            SPIN,
-            stiffness=1.0,
-            t=[1.0],
-            pairs=list(combinations(range(4), 2))[1:],
+test_what_is_no_system_of_springs_is_refused = refuses(
+    [
+        ({"masses": [1.0, 0.0], "positions": FOUR[:2]}, "masses[1] = 0.0: must be positive"),
+        ({"masses": [1.0], "positions": FOUR[:2]}, "masses: expected shape (2,), got (1,)"),
+        (
+            {"masses": [], "positions": np.zeros((0, 3))},
+            "positions: expected shape (N, 3) of one or more, got (0, 3)",
         ),
-        "positions, pairs: the springs leave 7 coordinates to first order",
+        ({"stiffness": None}, "stiffness, law: give the stiffness of springs or a law"),
+        ({"law": morse}, f"{EITHER} give stiffness and rest, or a law, not both"),
+        ({"stiffness": None, "rest": 1.0, "law": morse}, f"{EITHER} give stiffness and rest, or"),
+        ({"stiffness": -1.0}, "stiffness = -1.0: must not be negative"),
+        ({"stiffness": [0, 1, -2, 0, 0, 0]}, "stiffness[2] = -2.0: must not be negative"),
+        ({"stiffness": [1.0, 2.0]}, "stiffness: expected shape (6,), got (2,)"),
+        ({"rest": float("inf")}, "rest = inf: must be finite"),
+        ({"positions": 0.0 * FOUR}, "positions: points 0 and 1 coincide"),
+        (
+            {"stiffness": None, "law": lambda d: (np.nan * d, d, d)},
+            "law: must return energy, first and second derivative of each distance, all finite",
+        ),
+    ],
+    by=lambda given: springs.pair_system(
+        **{"masses": np.ones(4), "positions": FOUR, "stiffness": 1.0, **given}
     ),
-    (
-        lambda: springs.spring_body(FOUR_MASSES, FOUR, SPIN, stiffness=1.0, t=[-1.0, 1.0]),
-        "t, shape (2,): the springs start at t = 0",
-    ),
-]
+    literal=True,
+)
+
+SLACK = springs.pair_system(np.ones(3), LINE, stiffness=1.0)
 
 
-test_refusals_name_the_argument_and_the_rule = refuses(REFUSED, literal=True)
+test_a_call_of_such_a_system_is_refused = refuses(
+    [
+        (lambda: LAWS["morse"].forces(FOUR), "positions: expected 5 particles, got (4, 3)"),
+        (
+            lambda: LAWS["morse"].modes(),
+            "positions: must be an equilibrium, where no force acts (equilibrium() finds one); th",
+        ),
+        (
+            lambda: springs.pair_system([1.0] * 3, LINE, law=coulomb).equilibrium(),
+            "positions: no equilibrium was found; the particles fly apart, to ",
+        ),
+        (
+            lambda: springs.pair_system([1.0] * 3, LINE, law=attraction).equilibrium(),
+            "positions: no equilibrium was found in 500 steps; the largest force is ",
+        ),
+        (
+            lambda: SLACK.equilibrium([LINE, LINE]),
+            "positions: expected shape (N, 3), got (2, 3, 3)",
+        ),
+    ],
+    literal=True,
+)
+
+
+LOOSE = "positions, pairs: the springs leave 7 coordinates to first order"
+
+test_what_does_not_become_a_rigid_body_is_refused = refuses(
+    [
+        ({"masses": np.ones(3), "positions": LINE}, f"{LOOSE}, a rigid body has 6"),
+        ({"pairs": list(combinations(range(4), 2))[1:]}, LOOSE),
+        ({"t": [-1.0, 1.0]}, "t, shape (2,): the springs start at t = 0"),
+    ],
+    by=lambda given: springs.spring_body(
+        **{
+            **{"masses": FOUR_MASSES, "positions": FOUR, "omega": SPIN},
+            **{"stiffness": 1.0, "t": [1.0], **given},
+        }
+    ),
+    literal=True,
+)

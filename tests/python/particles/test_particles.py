@@ -303,10 +303,10 @@ def test_a_screw_gives_the_displacement_back(angle: float) -> None:
 
 
 def test_a_pure_translation_has_an_axis_but_no_turn() -> None:
-    found = particles.screw(np.eye(3), [[0.0, 3.0, 4.0], [0.0, 0.0, 0.0]])
+    found = particles.screw(np.eye(3), [[0.0, 0.3, 0.4], [0.0, 0.0, 0.0]])
     assert found.angle.tolist() == [0.0, 0.0]
     assert found.axis.tolist() == [[0.0, 0.6, 0.8], [0.0, 0.0, 0.0]]
-    assert found.advance.tolist() == [5.0, 0.0]
+    assert found.advance.tolist() == [0.5, 0.0]
     assert found.pitch.tolist() == [np.inf, 0.0]
     assert found.point.tolist() == [[0.0, 0.0, 0.0]] * 2
     assert particles.screw(np.zeros((0, 3, 3)), np.zeros((0, 3))).axis.shape == (0, 3)
