@@ -286,6 +286,21 @@ def test_angles_are_those_of_scipy() -> None:
     np.testing.assert_allclose(found, np.stack([roll, pitch, yaw], axis=-1), atol=1e-13)
 
 
+def test_straight_up_and_down_has_a_pitch() -> None:
+    """Rounding makes some of many sines larger than one. The arcsine has half of the digits."""
+    rng = np.random.default_rng(5)
+    t, yaw, pitch = (
+        rng.uniform(0.0, 50.0, 200),
+        rng.uniform(-3.0, 3.0, 200),
+        np.full(200, np.pi / 2),
+    )
+    pitch[::2] *= -1.0
+    axes = Rotation.from_matrix(rigid.Orbit(0.3, 0.4).frame(t)[..., [1, 2, 0]])
+    attitude = axes * Rotation.from_euler("ZYX", np.stack([yaw, pitch, 0.0 * yaw], axis=-1))
+    found = rigid.free.roll_pitch_yaw(rigid.Orbit(0.3, 0.4), attitude, t, axes=(3, 2))
+    np.testing.assert_allclose(found[:, 1], pitch, atol=1e-7)
+
+
 def test_a_satellite_at_rest_has_none() -> None:
     """Body axes 1, 2, 3 along the motion, the normal and the line from the planet stay there."""
     orbit = rigid.Orbit(1.0)
