@@ -247,12 +247,3 @@ REFUSED: list[tuple[Any, ...]] = [
 
 
 test_refusals_name_the_argument_and_the_rule = refuses(REFUSED, literal=True)
-
-
-FORMER = {"Motion": "'Motion', but 'PointMotion', the former 'Motion'", "other": "'other'"}
-
-
-def test_the_former_name_of_the_motion_of_a_point_names_the_new_one() -> None:
-    for name, words in FORMER.items():
-        with pytest.raises(AttributeError, match=f"has no attribute {words}$"):
-            getattr(frames, name)
