@@ -153,6 +153,7 @@ def measured_width() -> float:
         measure=spin_orbit_ratio(3),
         samples=1,
         t_end=time,
+        check=0.0,
         rng=1,
         progress=False,
     )

@@ -2,9 +2,11 @@
 
 from collections.abc import Callable
 from math import pi
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.integrate import quad, tplquad
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
@@ -249,7 +251,7 @@ CORNERS, BOX_FACES = ONE[0] + 0.5, ONE[1]
 SIDES = np.array([0.25, 0.08, 0.01])
 
 
-def hull(points: Floats) -> tuple[Floats, Floats]:
+def hull(points: Floats) -> Mesh:
     """The convex hull as a mesh seen from outside."""
     found = ConvexHull(points)
     faces = found.simplices.copy()
@@ -309,7 +311,7 @@ def test_many_bodies_with_the_same_faces() -> None:
     assert none.tensor.shape == (0, 3, 3)
 
 
-def mesh(faces: Floats, corners: Floats = CORNERS) -> Callable[[], object]:
+def mesh(faces: NDArray[Any], corners: Floats = CORNERS) -> Callable[[], object]:
     return lambda: meshes.mesh_properties(corners, faces)
 
 
