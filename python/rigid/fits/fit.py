@@ -361,7 +361,8 @@ def fit(
         raise ValueError(f"omega: expected shape {(len(times), 3)}, got {measured.shape}")
     if not len(times):
         raise ValueError("t: must hold a time, got shape (0,)")
-    if times[0] != 0.0 and _has_clock(scene):
+    has_clock = scene.tables or scene.orbit is not None or "function" in scene.forces
+    if times[0] != 0.0 and has_clock:
         raise ValueError(
             f"t[0] = {times[0]:.10g}: must be 0, because the scene has a clock: "
             "subtract the first time from t, and from the times of the torque"
@@ -386,15 +387,9 @@ def fit(
         )
     # The difference of nearby numbers is exact, so a large first time costs no digit.
     with reporting(progress, len(times), unit=" measurements") as report:
-        arcs = Arcs(
-            unknowns,
-            times - times[0],
-            measured,
-            spread,
-            lambda done: report(min(done, len(times))),
-        )
+        arcs = Arcs(unknowns, times - times[0], measured, spread, report)
         found, *further = arcs.minima()
-        arcs.report(len(times))
+        report(len(times))
     if np.isinf(found.gain):
         raise ValueError(
             "t, sigma: the derivatives of the motion over sigma overflow; a shorter time or a "
@@ -444,11 +439,6 @@ def fit(
         evaluations=arcs.evaluations,
         searched=arcs.searched,
     )
-
-
-def _has_clock(scene: Scene) -> bool:
-    """Whether forces of the scene depend on the time."""
-    return bool(scene.tables) or scene.orbit is not None or "function" in scene.forces
 
 
 def _checked_sigma(sigma: ArrayLike, shape: tuple[int, ...]) -> Floats:
