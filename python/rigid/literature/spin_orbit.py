@@ -6,8 +6,9 @@ from functools import cache
 from math import degrees, pi, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .._checks.arrays import Floats
 from ..model.body import Body
 from ..model.bounds import librates, pointing_within
 from ..model.measures import spin_orbit_ratio
@@ -19,9 +20,6 @@ from ..solve.frequencies import frequencies
 from ..solve.lyapunov import lyapunov
 from ..solve.simulate import simulate
 from ..store.call import stability_map
-
-Floats = NDArray[np.float64]
-
 
 HYPERION = (0.5956, 0.8594, 1.0)
 """Moments of a homogeneous ellipsoid of 190 km x 145 km x 114 km, as in 1984."""

@@ -6,16 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import rigid
 from map_texts import map_text
+from physics import Floats
 from printed_equations import solved
 from rigid import inertia, solids
 from rigid.cli import main
-
-Floats = NDArray[np.float64]
 
 PUBLISHED = [(3.0, 5.0, 9.0), (8.0, 4.0, 0.4)]
 """Moments of examples in print that break the triangle inequality by 11 % and by 45 %."""

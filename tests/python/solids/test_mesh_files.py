@@ -12,9 +12,8 @@ from scipy.spatial.transform import Rotation
 
 import rigid
 from exact_meshes import SQUARES, Mesh, ball, box, exact_properties, off, together
+from physics import Floats
 from rigid import meshes, rotations
-
-Floats = NDArray[np.float64]
 
 ONE = box(1.0, 1.0, 1.0)
 CUBE, TRIANGLES = ONE[0] + 0.5, ONE[1]
