@@ -197,6 +197,13 @@ def test_a_fit_of_few_samples_is_right_or_says_that_it_is_not(number: int) -> No
     assert found.right if found.success else "phase between samples passes pi" in found.reason
 
 
+@pytest.fixture
+def fewer_descents(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A quarter of the starts finds what these tests ask for; tests/long/fits.py takes all."""
+    monkeypatch.setattr(arcs, "_DESCENTS", 256)
+
+
+@pytest.mark.usefixtures("fewer_descents")
 def test_an_alias_meets_the_samples_as_well() -> None:
     t = np.linspace(0.0, 60.0, 4)
     found, measured = fitted_at(t, 0)
@@ -226,6 +233,7 @@ def test_times_in_a_wrong_unit_are_no_success() -> None:
     assert "49 of 49 gaps" in found.reason
 
 
+@pytest.mark.usefixtures("fewer_descents")
 def test_a_pause_in_which_the_phase_is_lost_is_told() -> None:
     """Three seconds tell the moments to some 5 %, which is 10 rad of phase after three minutes."""
 
