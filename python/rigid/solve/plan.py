@@ -471,10 +471,8 @@ def _step_and_count(
     bodies = problem.bodies
     if bodies is None or (problem.span is None and problem.scene.forces):
         return problem.step, None
-    own, time = bodies.planned_steps(method, problem.reach or (0.0, 0.0), "states")
-    if problem.step is not None:
-        own = np.full(len(bodies), problem.step)
-    elif steps is not None:
+    own, time = bodies.planned_steps(method, problem.reach or (0.0, 0.0), "states", problem.step)
+    if steps is not None:
         own = steps
     return shortest_and_most(own, None if problem.span is None else time, problem.states)
 
