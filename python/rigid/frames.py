@@ -9,7 +9,6 @@ the frame.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,12 +36,6 @@ EARTH_RATE = 7.292115e-5
 
 EARTH_RADIUS = 6.371e6
 """Mean radius of the Earth (m)."""
-
-if not TYPE_CHECKING:
-
-    def __getattr__(name: str) -> object:
-        new = ", but 'PointMotion', the former 'Motion'" if name == "Motion" else ""
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}{new}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import rigid
 from interrupts import LONG, seconds_until_interrupted, sigint
 from processes import environment, python_command
 
@@ -51,6 +52,12 @@ def test_reference_motions_are_made_again() -> None:
     scenes = ("kov_a", "torque_axis3", "section-close-pairs", "chaos/asymmetric", "/circular")
     done = subprocess.run(python_command(str(script), *scenes), env=environment(), check=False)
     assert done.returncode == 0
+
+
+def test_sixteen_satellites_tumble_as_long_as_those_of_the_literature() -> None:
+    pytest.importorskip("numba")
+    found = rigid.validation(("delfi-pq-mean", "delfi-pq-median"), progress=False)
+    assert all(row.agrees for row in found.rows)
 
 
 @pytest.mark.parametrize("size", LONG)

@@ -82,10 +82,7 @@ def test_products_change_in_space_and_the_moment_about_the_axis_does_not() -> No
     then, now = (tensor_of_points(MASSES, ARMS @ turn(t, AXES["z"]).T) for t in (0.0, 0.9))
     assert then[2, 2] == pytest.approx(15.386947, abs=5e-7)
     assert now[2, 2] == pytest.approx(float(then[2, 2]), rel=1e-14)
-    assert (then[0, 2], now[0, 2]) == (
-        pytest.approx(0.40, abs=5e-3),
-        pytest.approx(0.96, abs=5e-3),
-    )
+    assert (then[0, 2], now[0, 2]) == (pytest.approx(0.40, abs=5e-3), pytest.approx(0.96, abs=5e-3))
     # If it did depend on time as the products do, the torque about z would not be I_zz omega'.
     found = fixed_axis.bearing_torques(then, [0.3, 5.0], GROWTH)
     assert found.driving.tolist() == [then[2, 2] * GROWTH] * 2
@@ -273,10 +270,7 @@ REFUSED: list[tuple[Any, ...]] = [
 ]
 
 
-test_refusals_name_the_argument_and_the_rule = refuses(
-    REFUSED,
-    literal=True,
-)
+test_refusals_name_the_argument_and_the_rule = refuses(REFUSED, literal=True)
 
 
 # Two bearings and two planes

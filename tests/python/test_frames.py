@@ -138,12 +138,7 @@ def test_a_free_particle_is_straight_while_the_frame_bends_its_path() -> None:
 
     def force(r: Floats, v: Floats, t: float) -> Floats:
         return frames.fictitious_forces(
-            1.0,
-            r,
-            v,
-            omega=omega0 + growth * t,
-            omega_dot=growth,
-            acceleration=turn(t).T @ throw,
+            1.0, r, v, omega=omega0 + growth * t, omega_dot=growth, acceleration=turn(t).T @ throw
         ).total
 
     r0, v0 = np.array([1.0, -0.4, 0.2]), np.array([0.1, 0.7, -0.5])
@@ -251,16 +246,4 @@ REFUSED: list[tuple[Any, ...]] = [
 ]
 
 
-test_refusals_name_the_argument_and_the_rule = refuses(
-    REFUSED,
-    literal=True,
-)
-
-
-FORMER = {"Motion": "'Motion', but 'PointMotion', the former 'Motion'", "other": "'other'"}
-
-
-def test_the_former_name_of_the_motion_of_a_point_names_the_new_one() -> None:
-    for name, words in FORMER.items():
-        with pytest.raises(AttributeError, match=f"has no attribute {words}$"):
-            getattr(frames, name)
+test_refusals_name_the_argument_and_the_rule = refuses(REFUSED, literal=True)

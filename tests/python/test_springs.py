@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 
 from physics import ROUNDOFF, Floats
@@ -127,35 +126,8 @@ def test_modes_are_normal_and_diagonal() -> None:
 def test_frequencies_are_those_of_the_mass_weighted_matrix() -> None:
     """The eigenvalues of the second derivatives alone, as printed, are not the frequencies."""
     system = springs.pair_system(MASSES, FIVE, stiffness=1.0)
-    modes = system.modes()
-    # The truth: release the stiffest mode with a small amplitude and count its oscillations.
-    amplitude, turns = 1e-6, 20
-    shape = modes.shapes[-1]
-    expected = 2.0 * np.pi / np.sqrt(modes.omega_squared[-1])
-
-    def rate(_: float, state: Floats) -> Floats:
-        x, v = state.reshape(2, 5, 3)
-        return np.concatenate([v, system.forces(x) / MASSES[:, None]], axis=None)
-
-    def crossing(_: float, state: Floats) -> float:
-        return float(((state[:15].reshape(5, 3) - FIVE) * shape * MASSES[:, None]).sum())
-
-    start = np.concatenate([FIVE + amplitude * shape, np.zeros((5, 3))], axis=None)
-    path = solve_ivp(
-        rate,
-        (0.0, (turns + 0.5) * expected),
-        start,
-        method="DOP853",
-        events=crossing,
-        rtol=1e-11,
-        atol=1e-15,
-    )
-    crossings = path.t_events[0]
-    period = (crossings[-1] - crossings[0]) / (0.5 * (len(crossings) - 1))
-    measured = (2.0 * np.pi / period) ** 2
-    assert modes.omega_squared[-1] == pytest.approx(measured, rel=1e-5)  # amplitude: 1e-6
     printed = np.linalg.eigvalsh(system.hessian())[-1]
-    assert modes.omega_squared[-1] == pytest.approx(3.255, abs=5e-4)
+    assert system.modes().omega_squared[-1] == pytest.approx(3.255, abs=5e-4)
     assert printed == pytest.approx(5.0, abs=5e-4)
     # Equal masses: only then does one follow from the other.
     equal = springs.pair_system(np.full(5, 2.0), FIVE, stiffness=1.0).modes()
@@ -185,6 +157,7 @@ def test_a_line_held_straight_has_five_modes_without_frequency() -> None:
     assert springs.pair_system([2.0], [[1.0, 2, 3]], stiffness=1.0).modes().zero == 3
     nothing = springs.pair_system(MASSES, FIVE, stiffness=0.0).modes()
     assert nothing.zero == 15
+    assert springs.pair_system(MASSES, FIVE, stiffness=1.0, pairs=[]).modes().zero == 15
     assert nothing.stiff_step == np.inf
     # Springs at rest do not resist bending at all, and under pressure the line buckles.
     slack = springs.pair_system(np.ones(5), np.arange(5.0)[:, None] * [1, 0, 0], stiffness=1.0)
@@ -219,7 +192,7 @@ def test_modes_of_a_molecule_at_its_minimum() -> None:
 # The rigid limit
 
 #: Stiffness: largest coordinate of the distance from the rigid body after 3 s, to the digits given.
-TABLE = {1e2: 4.0e-2, 1e3: 3.9e-3, 1e4: 3.8e-4, 1e5: 3.9e-5}
+TABLE = {1e2: 4.0e-2, 1e3: 3.9e-3, 1e4: 3.8e-4}
 
 
 def test_springs_approach_the_rigid_body_as_one_over_their_stiffness() -> None:
@@ -270,6 +243,7 @@ def test_a_drifting_body_of_springs_is_the_same_in_its_own_frame() -> None:
 
 
 LINE = np.arange(3.0)[:, None] * [1.0, 0.0, 0.0]
+EITHER = "stiffness, rest, law:"
 
 
 def lennard_jones(d: Floats) -> tuple[Floats, Floats, Floats]:
@@ -316,6 +290,18 @@ def test_a_saddle_is_left_for_the_minimum() -> None:
     assert float(row.energy(row.equilibrium())) == pytest.approx(-3.0, abs=1e-12)
 
 
+def test_springs_that_break_are_not_torn_on_the_way_to_rest() -> None:
+    """The energy -d - ln(1 - d) / 100 ends at d = 1, and is least at 0.99: a step goes beyond."""
+
+    def brittle(d: Floats) -> tuple[Floats, Floats, Floats]:
+        with np.errstate(invalid="ignore"):
+            energy = -d - 0.01 * np.log(1.0 - d)
+        return energy, 0.01 / (1.0 - d) - 1.0, 0.01 / (1.0 - d) ** 2
+
+    pair = springs.pair_system([1.0, 2.0], [[0.0] * 3, [0.95, 0.0, 0.0]], law=brittle)
+    assert np.ptp(pair.equilibrium(), axis=0)[0] == pytest.approx(0.99, rel=1e-12)
+
+
 def test_a_triangle_that_springs_cannot_close_lies_on_a_line() -> None:
     """Rest lengths 1, 1, 3: each spring is off by 1/3, so the energy is 3 k/2 (1/3)²."""
     start = np.array([[0.0, 0.0, 0.0], [1.1, 0.0, 0.0], [2.3, 0.4, 0.0]])
@@ -339,95 +325,73 @@ def test_springs_return_to_their_rest_lengths_to_rounding() -> None:
     np.testing.assert_allclose(now, before, rtol=0.0, atol=left)
 
 
-REFUSED: list[tuple[Any, ...]] = [
-    (
-        lambda: springs.pair_system([1.0, 0.0], FOUR[:2], stiffness=1.0),
-        "masses[1] = 0.0: must be positive",
-    ),
-    (
-        lambda: springs.pair_system([1.0], FOUR[:2], stiffness=1.0),
-        "masses: expected shape (2,), got (1,)",
-    ),
-    (
-        lambda: springs.pair_system([], np.zeros((0, 3)), stiffness=1.0),
-        "positions: expected shape (N, 3) of one or more, got (0, 3)",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(4), FOUR),
-        "stiffness, law: give the stiffness of springs or a law",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(4), FOUR, stiffness=1.0, law=morse),
-        "stiffness, rest, law: give stiffness and rest, or a law, not both",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(4), FOUR, rest=1.0, law=morse),
-        "stiffness, rest, law: give stiffness and rest, or a law, not both",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(4), FOUR, stiffness=-1.0),
-        "stiffness = -1.0: must not be negative",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(3), FOUR[:3], stiffness=[0.0, 1.0, -2.0]),
-        "stiffness[2] = -2.0: must not be negative",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(4), FOUR, stiffness=[1.0, 2.0]),
-        "stiffness: expected shape (6,), got (2,)",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(4), FOUR, stiffness=1.0, rest=float("inf")),
-        "rest = inf: must be finite",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(3), 0.0 * LINE, stiffness=1.0),
-        "positions: points 0 and 1 coincide",
-    ),
-    (
-        lambda: springs.pair_system(np.ones(3), LINE, law=lambda d: (np.nan * d, d, d)),
-        "law: must return energy, first and second derivative of each distance, all finite",
-    ),
-    (lambda: LAWS["morse"].forces(FOUR), "positions: expected 5 particles, got (4, 3)"),
-    (
-        lambda: LAWS["morse"].modes(),
-        "positions: must be an equilibrium, where no force acts (equilibrium() finds one); the lar",
-    ),
-    (
-        lambda: springs.pair_system([1.0] * 3, LINE, law=coulomb).equilibrium(),
-        "positions: no equilibrium was found; the particles fly apart, to ",
-    ),
-    (
-        lambda: springs.pair_system([1.0] * 3, LINE, law=attraction).equilibrium(),
-        "positions: no equilibrium was found in 500 steps; the largest force is ",
-    ),
-    (
-        lambda: springs.pair_system([1.0] * 3, LINE, stiffness=1.0).equilibrium([LINE, LINE]),
-        "positions: expected shape (N, 3), got (2, 3, 3)",
-    ),
-    (
-        lambda: springs.spring_body(np.ones(3), LINE, SPIN, stiffness=1.0, t=[1.0]),
-        "positions, pairs: the springs leave 7 coordinates to first order, a rigid body has 6",
-    ),
-    (
-        lambda: springs.spring_body(
-            FOUR_MASSES,
-            FOUR,
-            SPIN,
-            stiffness=1.0,
-            t=[1.0],
-            pairs=list(combinations(range(4), 2))[1:],
+test_what_is_no_system_of_springs_is_refused = refuses(
+    [
+        ({"masses": [1.0, 0.0], "positions": FOUR[:2]}, "masses[1] = 0.0: must be positive"),
+        ({"masses": [1.0], "positions": FOUR[:2]}, "masses: expected shape (2,), got (1,)"),
+        (
+            {"masses": [], "positions": np.zeros((0, 3))},
+            "positions: expected shape (N, 3) of one or more, got (0, 3)",
         ),
-        "positions, pairs: the springs leave 7 coordinates to first order",
+        ({"stiffness": None}, "stiffness, law: give the stiffness of springs or a law"),
+        ({"law": morse}, f"{EITHER} give stiffness and rest, or a law, not both"),
+        ({"stiffness": None, "rest": 1.0, "law": morse}, f"{EITHER} give stiffness and rest, or"),
+        ({"stiffness": -1.0}, "stiffness = -1.0: must not be negative"),
+        ({"stiffness": [0, 1, -2, 0, 0, 0]}, "stiffness[2] = -2.0: must not be negative"),
+        ({"stiffness": [1.0, 2.0]}, "stiffness: expected shape (6,), got (2,)"),
+        ({"rest": float("inf")}, "rest = inf: must be finite"),
+        ({"positions": 0.0 * FOUR}, "positions: points 0 and 1 coincide"),
+        (
+            {"stiffness": None, "law": lambda d: (np.nan * d, d, d)},
+            "law: must return energy, first and second derivative of each distance, all finite",
+        ),
+    ],
+    by=lambda given: springs.pair_system(
+        **{"masses": np.ones(4), "positions": FOUR, "stiffness": 1.0, **given}
     ),
-    (
-        lambda: springs.spring_body(FOUR_MASSES, FOUR, SPIN, stiffness=1.0, t=[-1.0, 1.0]),
-        "t, shape (2,): the springs start at t = 0",
-    ),
-]
+    literal=True,
+)
+
+SLACK = springs.pair_system(np.ones(3), LINE, stiffness=1.0)
 
 
-test_refusals_name_the_argument_and_the_rule = refuses(
-    REFUSED,
+test_a_call_of_such_a_system_is_refused = refuses(
+    [
+        (lambda: LAWS["morse"].forces(FOUR), "positions: expected 5 particles, got (4, 3)"),
+        (
+            lambda: LAWS["morse"].modes(),
+            "positions: must be an equilibrium, where no force acts (equilibrium() finds one); th",
+        ),
+        (
+            lambda: springs.pair_system([1.0] * 3, LINE, law=coulomb).equilibrium(),
+            "positions: no equilibrium was found; the particles fly apart, to ",
+        ),
+        (
+            lambda: springs.pair_system([1.0] * 3, LINE, law=attraction).equilibrium(),
+            "positions: no equilibrium was found in 500 steps; the largest force is ",
+        ),
+        (
+            lambda: SLACK.equilibrium([LINE, LINE]),
+            "positions: expected shape (N, 3), got (2, 3, 3)",
+        ),
+    ],
+    literal=True,
+)
+
+
+LOOSE = "positions, pairs: the springs leave 7 coordinates to first order"
+
+test_what_does_not_become_a_rigid_body_is_refused = refuses(
+    [
+        ({"masses": np.ones(3), "positions": LINE}, f"{LOOSE}, a rigid body has 6"),
+        ({"pairs": list(combinations(range(4), 2))[1:]}, LOOSE),
+        ({"t": [-1.0, 1.0]}, "t, shape (2,): the springs start at t = 0"),
+    ],
+    by=lambda given: springs.spring_body(
+        **{
+            **{"masses": FOUR_MASSES, "positions": FOUR, "omega": SPIN},
+            **{"stiffness": 1.0, "t": [1.0], **given},
+        }
+    ),
     literal=True,
 )

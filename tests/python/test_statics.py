@@ -22,11 +22,7 @@ def torque_by_hand(forces: Floats, points: Floats, about: Floats) -> Floats:
     """Component by component."""
     total = np.zeros(3)
     for f, r in zip(forces, points - about, strict=True):
-        total += [
-            r[1] * f[2] - r[2] * f[1],
-            r[2] * f[0] - r[0] * f[2],
-            r[0] * f[1] - r[1] * f[0],
-        ]
+        total += [r[1] * f[2] - r[2] * f[1], r[2] * f[0] - r[0] * f[2], r[0] * f[1] - r[1] * f[0]]
     return total
 
 
@@ -284,7 +280,4 @@ REFUSED: list[tuple[Any, ...]] = [
 ]
 
 
-test_refusals_name_the_argument_and_the_rule = refuses(
-    REFUSED,
-    literal=True,
-)
+test_refusals_name_the_argument_and_the_rule = refuses(REFUSED, literal=True)

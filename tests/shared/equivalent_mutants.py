@@ -125,6 +125,16 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "(left <= point[0]) & (point[0] <= right) -> (left <= point[0]) | (point[0] <= right)",
     ): "it looks at further triangles, and the signs of their areas tell that the line misses them",
     (
+        "literature/spin_orbit.py",
+        "check=0.0,",
+        "0.0 -> 1.0",
+    ): "a check changes no number of a map",
+    (
+        "inertia/symmetry.py",
+        "chunk = max(1, _AT_ONCE // len(r))",
+        "1 -> 2",
+    ): "it decides how many matrices are tried at once, each by itself",
+    (
         "fits/least_squares.py",
         "free = ~(((x <= low) & (pull > 0.0)) | ((x >= high) & (pull < 0.0)))",
         "pull < 0.0 -> pull <= 0.0",

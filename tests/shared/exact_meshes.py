@@ -12,7 +12,8 @@ from physics import Floats
 Faces: TypeAlias = NDArray[np.int64]
 Mesh: TypeAlias = tuple[Floats, Faces]
 
-_FACES_OF_A_BOX = (
+#: The faces of a box.
+SQUARES = (
     (0, 1, 3, 2),
     (4, 6, 7, 5),
     (0, 4, 5, 1),
@@ -27,7 +28,7 @@ _FACES_OF_AN_OCTAHEDRON = ((0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4))
 def box(*sides: float) -> Mesh:
     """A box about the origin."""
     corners = 0.5 * np.array(list(product((-1.0, 1.0), repeat=3))) * sides
-    faces = [half for a, b, c, d in _FACES_OF_A_BOX for half in ((a, b, c), (a, c, d))]
+    faces = [half for a, b, c, d in SQUARES for half in ((a, b, c), (a, c, d))]
     return corners, np.array(faces)
 
 

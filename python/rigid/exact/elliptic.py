@@ -11,11 +11,13 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arrays import Floats, finite_array, require
+from .._checks.overflow import refuses_overflow
 
 LARGEST = 1e200
 """Largest argument of R_D and R_J, whose duplication multiplies three square roots."""
 
 
+@refuses_overflow
 def carlson_rf(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
     """Carlson's integral R_F of the first kind, for arguments that are not negative.
 
@@ -47,6 +49,7 @@ def carlson_rf(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
     return _carlson("rf", {"x": x, "y": y, "z": z}, positive=())
 
 
+@refuses_overflow
 def carlson_rc(x: ArrayLike, y: ArrayLike) -> Floats:
     """Carlson's degenerate integral, ``R_F(x, y, y)``; for ``y < 0`` Cauchy's principal value.
 
@@ -81,6 +84,7 @@ def carlson_rc(x: ArrayLike, y: ArrayLike) -> Floats:
     return _called("rc", first, second)[0]
 
 
+@refuses_overflow
 def carlson_rd(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
     """Carlson's integral of the second kind, ``R_J(x, y, z, z)``, for ``z > 0``.
 
@@ -110,6 +114,7 @@ def carlson_rd(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
     return _carlson("rd", {"x": x, "y": y, "z": z}, positive=("z",))
 
 
+@refuses_overflow
 def carlson_rj(x: ArrayLike, y: ArrayLike, z: ArrayLike, p: ArrayLike) -> Floats:
     """Carlson's integral of the third kind, for ``p > 0``.
 
@@ -218,7 +223,10 @@ def _carlson(name: str, arguments: dict[str, ArrayLike], *, positive: tuple[str,
     zeros = sum((array == 0.0).astype(np.int64) for array in arrays)
     names = ", ".join(arguments)
     require(f"number of zeros among {names}", zeros, zeros <= 1, "must be at most 1")
-    return _called(name, *arrays)[0]
+    (value,) = _called(name, *arrays)
+    if not np.isfinite(value).all():
+        raise OverflowError
+    return value
 
 
 def _called(name: str, *arrays: Floats) -> tuple[Floats, ...]:

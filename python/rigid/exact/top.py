@@ -238,7 +238,7 @@ def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> Stea
     (0.438447187191, 4.56155281281, 2.82842712475)
     """
     symmetry = _lagrange(scene)
-    across, along = symmetry.across, symmetry.along
+    across, along, product = symmetry.across, symmetry.along, _product(scene, symmetry)
     angles, spins = np.broadcast_arrays(finite_array("tilt", tilt), finite_array("spin", spin))
     require("tilt", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
     batch_shape({"scene": scene.shape, "tilt and spin": angles.shape})
@@ -246,7 +246,7 @@ def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> Stea
     # cos(pi / 2) of float64 is not 0, but the cosine of a horizontal axis is.
     cosine = np.where(angles == 0.5 * pi, 0.0, np.cos(angles))
     with np.errstate(divide="ignore", invalid="ignore"):
-        below = 4.0 * across * scene.mgl * cosine
+        below = 4.0 * product * cosine
         # At the bound the roots are equal, even if rounding moved the spin off the bound.
         at_bound = np.abs(momentum**2 - below) <= 4.0 * np.finfo(np.float64).eps * np.abs(below)
         root = np.sqrt(np.where(at_bound, 0.0, momentum**2 - below))
@@ -256,7 +256,7 @@ def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> Stea
         slow_approx = scene.mgl / momentum
         fast_approx = np.where(cosine == 0.0, np.inf, momentum / (across * cosine))
     finite = np.isfinite(slow)
-    bound = np.sqrt(scene.mgl * across * np.maximum(cosine, 0.0))
+    bound = np.sqrt(product * np.maximum(cosine, 0.0))
     return SteadyPrecession(
         slow=np.where(finite, slow, np.nan)[()],
         fast=np.where(finite & (cosine != 0.0), fast, np.nan)[()],
@@ -294,7 +294,7 @@ def sleeping_spin(scene: HeavyTop) -> float | Floats:
     4.0
     """
     symmetry = _lagrange(scene)
-    spin = 2.0 * np.sqrt(scene.mgl * symmetry.across) / symmetry.along
+    spin = 2.0 * np.sqrt(_product(scene, symmetry)) / symmetry.along
     return spin if scene.shape else float(spin)
 
 
@@ -363,6 +363,12 @@ def _lagrange(scene: HeavyTop, *, rod: bool = False) -> Symmetry:
     )
     require_each(scene, symmetry.axis != 0, rule, ("moments", "com"))
     return symmetry
+
+
+@np.errstate(under="raise")
+def _product(scene: HeavyTop, symmetry: Symmetry) -> Floats:
+    """``mgl I1``, whose root is a momentum: no rate follows from one that underflows."""
+    return symmetry.across * scene.mgl
 
 
 def _tuples(values: Any) -> Any:

@@ -43,6 +43,9 @@ Right fits of hundreds of samples took 58 at most, so 100 always remain.
 _DERIVED = 2 * 10**6
 """Most steps of all these evaluations: some minutes."""
 
+_FARTHEST = 10**7
+"""Largest phase (rad) of a fit: a hundred runs of so many turns take an hour."""
+
 _DEARER = 10
 """How many times the steps of the first guess a run may take."""
 
@@ -166,7 +169,13 @@ class Arcs:
         bodies and 60 tops, none took more than 4.2 steps per radian of the measured phase: 4 stand
         for them.
         """
-        steps = int(self.unknowns.steps(self.t)) + len(self.t) + 4 * int(self.phases.sum())
+        phase = float(self.phases.sum())
+        if phase > _FARTHEST:
+            raise ValueError(
+                f"t: the phase of the motion grows by {phase:.3g} rad, must be at most "
+                f"{_FARTHEST:.3g}: a shorter time is needed"
+            )
+        steps = int(self.unknowns.steps(self.t)) + len(self.t) + 4 * int(phase)
         self.unknowns.most_steps = _DEARER * steps
         self.most = min(_ALL_EVALUATIONS, max(100, _DERIVED // steps))
 

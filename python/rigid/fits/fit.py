@@ -16,6 +16,7 @@ from .._archive import write_archive
 from .._checks.arguments import brief, shaped, sorted_times, vector
 from .._checks.arrays import Floats
 from .._checks.moments import refuse_rods
+from .._checks.overflow import refuses_overflow
 from .._checks.progress import ProgressOption, reporting
 from .._checks.shown import aligned
 from .._checks.warned import warn_caller
@@ -250,6 +251,7 @@ def _unit(name: str) -> str:
     return PARAMETERS[name].unit.replace("1", "") if unit is None else unit
 
 
+@refuses_overflow
 def fit(
     scene: Scene | Body,
     t: ArrayLike,
@@ -331,8 +333,8 @@ def fit(
         Naming the argument and the rule: an unknown or repeated parameter; shapes that do not fit;
         a sigma that is not positive; fewer measurements than parameters; ratios that follow from
         each other; damping that is not diagonal; a torque that is a table; a first time other than
-        0 of a scene with a clock, the table of a torque or an orbit; derivatives that overflow in a
-        long chaotic motion.
+        0 of a scene with a clock, the table of a torque or an orbit; a motion over more than 1e7
+        rad; derivatives that overflow in a long chaotic motion.
 
     Examples
     --------
@@ -359,7 +361,8 @@ def fit(
         raise ValueError(f"omega: expected shape {(len(times), 3)}, got {measured.shape}")
     if not len(times):
         raise ValueError("t: must hold a time, got shape (0,)")
-    if times[0] != 0.0 and _has_clock(scene):
+    has_clock = scene.tables or scene.orbit is not None or "function" in scene.forces
+    if times[0] != 0.0 and has_clock:
         raise ValueError(
             f"t[0] = {times[0]:.10g}: must be 0, because the scene has a clock: "
             "subtract the first time from t, and from the times of the torque"
@@ -384,15 +387,9 @@ def fit(
         )
     # The difference of nearby numbers is exact, so a large first time costs no digit.
     with reporting(progress, len(times), unit=" measurements") as report:
-        arcs = Arcs(
-            unknowns,
-            times - times[0],
-            measured,
-            spread,
-            lambda done: report(min(done, len(times))),
-        )
+        arcs = Arcs(unknowns, times - times[0], measured, spread, report)
         found, *further = arcs.minima()
-        arcs.report(len(times))
+        report(len(times))
     if np.isinf(found.gain):
         raise ValueError(
             "t, sigma: the derivatives of the motion over sigma overflow; a shorter time or a "
@@ -442,11 +439,6 @@ def fit(
         evaluations=arcs.evaluations,
         searched=arcs.searched,
     )
-
-
-def _has_clock(scene: Scene) -> bool:
-    """Whether forces of the scene depend on the time."""
-    return bool(scene.tables) or scene.orbit is not None or "function" in scene.forces
 
 
 def _checked_sigma(sigma: ArrayLike, shape: tuple[int, ...]) -> Floats:

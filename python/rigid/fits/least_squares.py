@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -90,7 +91,7 @@ def minimum(
     low, high = box
     x = np.clip(x, low, high)
     now, damping = residuals(x), 1e-3
-    for count in range(1, most + 1):
+    for count in itertools.count(1):
         slopes = jacobian(x)
         if not np.isfinite(np.sum(np.square(slopes))):
             left_to_gain = np.inf

@@ -28,7 +28,6 @@ class HasMoments(Protocol):
     @property
     def moments(self) -> tuple[float, float, float]:
         """Principal moments of inertia (kg m²)."""
-        ...
 
 
 def rotational_energy(omega: ArrayLike, inertia: HasMoments | MassProperties | ArrayLike) -> Floats:

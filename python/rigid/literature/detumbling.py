@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._checks.arrays import Floats
 from ..inertia import compose
 from ..model.body import Body
 from ..model.scene import FreeBody
@@ -17,8 +18,6 @@ from ..model.torque import Torque
 from ..solids import box
 from ..solve.run import Run
 from ..solve.simulate import simulate
-
-Floats = NDArray[np.float64]
 
 RADIUS = 6378.137e3 + 350e3
 """Of the circular orbit (m)."""

@@ -5,16 +5,14 @@ from __future__ import annotations
 from math import cos, pi, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .._checks.arrays import Floats
 from ..exact import lagrange_top
 from ..model.body import Body
 from ..model.scene import HeavyTop
 from ..sections.starts import on_surface
 from ..solve.run import Run
 from ..solve.simulate import simulate
-
-Floats = NDArray[np.float64]
 
 TOP = HeavyTop(Body((1.0, 1.0, 0.5)), mgl=1.0)
 """A Lagrange top that sleeps from 4 rad/s on."""

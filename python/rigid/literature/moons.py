@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import pi, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .._checks.arrays import Floats
 from ..free import libration
 from ..model.body import Body
 from ..model.bounds import tilt_below
@@ -17,8 +17,6 @@ from ..model.start import Start
 from ..solve.frequencies import frequencies
 from ..solve.simulate import simulate
 from ..store.call import stability_map
-
-Floats = NDArray[np.float64]
 
 AT_REST = (0.5, 0.5, -0.5, -0.5)
 """Roll along the motion, pitch along the normal, yaw to the centre, in ``on_orbit``."""

@@ -6,8 +6,9 @@ from functools import cache
 from math import degrees, pi, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .._checks.arrays import Floats
 from ..model.body import Body
 from ..model.bounds import librates, pointing_within
 from ..model.measures import spin_orbit_ratio
@@ -19,9 +20,6 @@ from ..solve.frequencies import frequencies
 from ..solve.lyapunov import lyapunov
 from ..solve.simulate import simulate
 from ..store.call import stability_map
-
-Floats = NDArray[np.float64]
-
 
 HYPERION = (0.5956, 0.8594, 1.0)
 """Moments of a homogeneous ellipsoid of 190 km x 145 km x 114 km, as in 1984."""
@@ -73,6 +71,14 @@ def swing(scene: FreeBody, rate: float, t: Floats, turns: float, method: str | N
     return wrapped(angles(run.attitude) - 2.0 * pi * turns * t)
 
 
+def swing_with_orbit(scene: FreeBody, turns: float, *, orbits: int, count: int) -> float:
+    """Amplitude (rad) with the period of the orbit, among so many frequencies of the swing."""
+    t = np.linspace(0.0, orbits, 40 * orbits + 1)
+    found = frequencies(t, swing(scene, turns, t, turns, "taylor20"), count=count)
+    nearest = np.argmin(np.abs(np.abs(found.frequency) - 2.0 * pi))
+    return float(np.abs(found.amplitude[nearest]))
+
+
 def chaotic_time() -> float:
     """Time of growth by a factor e in the plane (orbits), the median of 13 spins."""
     scene, starts = in_orbits(HYPERION, 0.1), about_normal(np.linspace(1.0, 2.2, 13))
@@ -120,16 +126,12 @@ def forced_libration_of_mercury() -> float:
     """Amplitude (arcseconds) of the libration of the mantle of Mercury in 88 days."""
     strength = 4.0 * 8.088e-6 / (0.346 * 0.431)  # (B - A) / C of the mantle
     scene = in_orbits((1.0 - strength, 1.0, 1.0 + 0.5 * strength), E_MERCURY)
-    t = np.linspace(0.0, 200.0, 8001)
-    found = frequencies(t, swing(scene, 1.5, t, 1.5, "taylor20"), count=3)
-    nearest = np.argmin(np.abs(np.abs(found.frequency) - 2.0 * pi))
-    return 3600.0 * degrees(float(np.abs(found.amplitude[nearest])))
+    return 3600.0 * degrees(swing_with_orbit(scene, 1.5, orbits=200, count=3))
 
 
 def formula_of_mercury() -> float:
     """Period (years) of the free libration by the series of the torque averaged over the orbit."""
-    strength = 3.0 * MERCURY * (3.5 * E_MERCURY - 123.0 / 16.0 * E_MERCURY**3)
-    return YEAR_OF_MERCURY / sqrt(strength)
+    return YEAR_OF_MERCURY / width(E_MERCURY, 3.0 * MERCURY)
 
 
 def width(eccentricity: float, strength: float) -> float:
@@ -165,11 +167,7 @@ def measured_width() -> float:
 
 def forced_libration(moments: ArrayLike, eccentricity: float) -> float:
     """Amplitude (rad) of the swing with the orbit of a synchronous moon."""
-    t = np.linspace(0.0, 40.0, 1601)
-    scene = in_orbits(moments, eccentricity)
-    found = frequencies(t, swing(scene, 1.0, t, 1.0, "taylor20"), count=4)
-    nearest = np.argmin(np.abs(np.abs(found.frequency) - 2.0 * pi))
-    return float(np.abs(found.amplitude[nearest]))
+    return swing_with_orbit(in_orbits(moments, eccentricity), 1.0, orbits=40, count=4)
 
 
 def libration_over_eccentricity() -> float:

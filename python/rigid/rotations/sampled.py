@@ -115,11 +115,7 @@ def omega_from_attitudes(attitude: AttitudeLike, t: ArrayLike, *, frame: str = "
     one_of("frame", frame, ("body", "space"))
     times = _times_of("attitudes", q, t, at_least=2)
     gaps = np.diff(times)[:, None]
-    before, after = q[..., :-1, :], q[..., 1:, :]
-    if frame == "body":
-        turn = quaternion_product(conjugate(before), after)
-    else:
-        turn = quaternion_product(after, conjugate(before))
+    turn = _then(conjugate(q[..., :-1, :]), q[..., 1:, :], frame)
     middle = log_quaternion(turn) / gaps
     if len(times) == 2:
         return np.repeat(middle, 2, axis=-2)
@@ -351,10 +347,9 @@ def _steps(
         )
     sign = -1.0 if frame == "body" else 1.0
     rates = rates.reshape(*rates.shape[:-2], *nodes.shape, 3)
-    early, middle, late = np.moveaxis(sign * step[..., None, None] * rates, -2, 0)
-    mean = middle
+    early, mean, late = np.moveaxis(sign * step[..., None, None] * rates, -2, 0)
     slope = sqrt(15.0) / 3.0 * (late - early)
-    bend = 10.0 / 3.0 * (late - 2.0 * middle + early)
+    bend = 10.0 / 3.0 * (late - 2.0 * mean + early)
     first = np.cross(mean, slope)
     second = -np.cross(mean, 2.0 * bend + first) / 60.0
     series = mean + bend / 12.0

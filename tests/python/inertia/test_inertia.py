@@ -325,5 +325,5 @@ test_refused = refuses(
             lambda: rigid.Body.from_properties(solids.sphere([1.0, 2.0])),
             r"expected one body, got shape \(2,\)",
         ),
-    ],
+    ]
 )

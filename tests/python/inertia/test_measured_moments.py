@@ -1,22 +1,19 @@
 """Moments and tensors as people have them: rounded, in single precision, or of no body at all."""
 
-import subprocess
-import sys
 import warnings
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import rigid
 from map_texts import map_text
+from physics import Floats
 from printed_equations import solved
 from rigid import inertia, solids
-
-Floats = NDArray[np.float64]
+from rigid.cli import main
 
 PUBLISHED = [(3.0, 5.0, 9.0), (8.0, 4.0, 0.4)]
 """Moments of examples in print that break the triangle inequality by 11 % and by 45 %."""
@@ -171,13 +168,7 @@ def test_a_file_of_moments_of_no_body(tmp_path: Path) -> None:
         stable='criterion = "no_flip"\naxis = 2',
     )
     (tmp_path / "map.toml").write_text(text)
-    run = subprocess.run(
-        [sys.executable, "-m", "rigid", "map", "map.toml", "--check"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-    )
-    assert run.returncode == 0, run.stderr
+    assert main(["map", str(tmp_path / "map.toml"), "--check"]) == 0
 
 
 def test_what_needs_a_body_says_so() -> None:

@@ -50,10 +50,7 @@ def test_totals_of_two_masses_by_hand() -> None:
     # 2 kg at (1, 0, 0) with (0, 3, 0) m/s under (0, 0, 5) N; 1 kg at (0, 4, 0) with (1, 0, 1) m/s
     # under (1, 0, 0) N.
     totals = particles.particle_totals(
-        [2.0, 1.0],
-        [[1, 0, 0], [0, 4, 0]],
-        [[0, 3, 0], [1, 0, 1]],
-        [[0, 0, 5], [1, 0, 0]],
+        [2.0, 1.0], [[1, 0, 0], [0, 4, 0]], [[0, 3, 0], [1, 0, 1]], [[0, 0, 5], [1, 0, 0]]
     )
     assert totals.mass == 3.0
     assert totals.com.tolist() == [2.0 / 3.0, 4.0 / 3.0, 0.0]
@@ -306,10 +303,10 @@ def test_a_screw_gives_the_displacement_back(angle: float) -> None:
 
 
 def test_a_pure_translation_has_an_axis_but_no_turn() -> None:
-    found = particles.screw(np.eye(3), [[0.0, 3.0, 4.0], [0.0, 0.0, 0.0]])
+    found = particles.screw(np.eye(3), [[0.0, 0.3, 0.4], [0.0, 0.0, 0.0]])
     assert found.angle.tolist() == [0.0, 0.0]
     assert found.axis.tolist() == [[0.0, 0.6, 0.8], [0.0, 0.0, 0.0]]
-    assert found.advance.tolist() == [5.0, 0.0]
+    assert found.advance.tolist() == [0.5, 0.0]
     assert found.pitch.tolist() == [np.inf, 0.0]
     assert found.point.tolist() == [[0.0, 0.0, 0.0]] * 2
     assert particles.screw(np.zeros((0, 3, 3)), np.zeros((0, 3))).axis.shape == (0, 3)
@@ -490,15 +487,35 @@ def thrown(body: Any) -> particles.BodyPath:
     return particles.propagate_body(body, np.zeros(3), np.zeros(3), RATES, t=1.0)
 
 
+test_what_has_no_totals_is_refused = refuses(
+    [
+        ([1.0, -1.0, 2.0], POINTS, POINTS, "masses[1] = -1.0: must not be negative"),
+        (np.zeros(3), POINTS, POINTS, "masses, shape (3,): their sum must be positive"),
+        (np.ones(3), POINTS * NAN, POINTS, "positions[0, 0] = nan: must be finite"),
+        (np.ones(3), POINTS, [1.0, 2.0, 3.0], "velocities: expected shape (..., N, 3), got (3,)"),
+        (
+            *(np.ones(3), POINTS, POINTS, np.ones((2, 3))),
+            "forces (2, 3), positions (3, 3): must have as many particles each",
+        ),
+    ],
+    by=particles.particle_totals,
+    literal=True,
+)
+
+test_what_has_no_coordinates_is_refused = refuses(
+    [
+        ({"positions": np.zeros((0, 3))}, "positions: expected at least one point"),
+        ({"fixed": [3]}, "fixed = 3: there are 3 points, counted from 0"),
+        ({"pairs": [[0, 1], [2, 2]]}, "pairs = [2, 2]: must be two different points of 3"),
+        ({"pairs": [0, 1]}, "pairs: expected whole numbers of shape (P, 2), got (2,)"),
+        ({"positions": POINTS[[0, 1, 1]]}, "positions: points 1 and 2 coincide"),
+    ],
+    by=lambda given: particles.degrees_of_freedom(**{"positions": POINTS, **given}),
+    literal=True,
+)
+
+
 REFUSED: list[tuple[Any, ...]] = [
-    (
-        lambda: particles.particle_totals([1.0, -1.0, 2.0], POINTS, POINTS),
-        "masses[1] = -1.0: must not be negative",
-    ),
-    (
-        lambda: particles.particle_totals(np.zeros(3), POINTS, POINTS),
-        "masses, shape (3,): their sum must be positive",
-    ),
     (
         lambda: particles.split_com([], np.zeros((0, 3)), np.zeros((0, 3))),
         "masses, shape (0,): their sum must be positive",
@@ -506,38 +523,6 @@ REFUSED: list[tuple[Any, ...]] = [
     (
         lambda: particles.split_com([1.0], POINTS, POINTS),
         "masses (1,), positions (3, 3), velocities (3, 3): must have as many particles each",
-    ),
-    (
-        lambda: particles.particle_totals(np.ones(3), POINTS * NAN, POINTS),
-        "positions[0, 0] = nan: must be finite",
-    ),
-    (
-        lambda: particles.particle_totals(np.ones(3), POINTS, [1.0, 2.0, 3.0]),
-        "velocities: expected shape (..., N, 3), got (3,)",
-    ),
-    (
-        lambda: particles.particle_totals(np.ones(3), POINTS, POINTS, np.ones((2, 3))),
-        "forces (2, 3), positions (3, 3): must have as many particles each",
-    ),
-    (
-        lambda: particles.degrees_of_freedom(np.zeros((0, 3))),
-        "positions: expected at least one point",
-    ),
-    (
-        lambda: particles.degrees_of_freedom(POINTS, fixed=[3]),
-        "fixed = 3: there are 3 points, counted from 0",
-    ),
-    (
-        lambda: particles.degrees_of_freedom(POINTS, pairs=[[0, 1], [2, 2]]),
-        "pairs = [2, 2]: must be two different points of 3",
-    ),
-    (
-        lambda: particles.degrees_of_freedom(POINTS, pairs=[0, 1]),
-        "pairs: expected whole numbers of shape (P, 2), got (2,)",
-    ),
-    (
-        lambda: particles.degrees_of_freedom([[0, 0, 0], [1, 0, 0], [1, 0, 0]]),
-        "positions: points 1 and 2 coincide",
     ),
     (
         lambda: particles.rigidity_residual(np.zeros((0, 3, 3))),
@@ -594,7 +579,4 @@ REFUSED: list[tuple[Any, ...]] = [
 ]
 
 
-test_refusals_name_the_argument_and_the_rule = refuses(
-    REFUSED,
-    literal=True,
-)
+test_refusals_name_the_argument_and_the_rule = refuses(REFUSED, literal=True)

@@ -11,16 +11,12 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import rigid
-from exact_meshes import Mesh, ball, box, exact_properties, off, together
+from exact_meshes import SQUARES, Mesh, ball, box, exact_properties, off, together
+from physics import Floats
 from rigid import meshes, rotations
 
-Floats = NDArray[np.float64]
-
-CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
-SQUARES = np.array(
-    [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
-)
-TRIANGLES = np.concatenate([SQUARES[:, [0, 1, 2]], SQUARES[:, [0, 2, 3]]])
+ONE = box(1.0, 1.0, 1.0)
+CUBE, TRIANGLES = ONE[0] + 0.5, ONE[1]
 CORNER = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 CORNER_FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
 
@@ -73,7 +69,7 @@ def test_a_cube_of_a_file_is_the_cube(name: str, tmp_path: Path) -> None:
 
 
 def test_squares_of_an_obj_file_become_triangles(tmp_path: Path) -> None:
-    path = obj(tmp_path / "squares.obj", CUBE, SQUARES)
+    path = obj(tmp_path / "squares.obj", CUBE, np.array(SQUARES))
     assert np.allclose(rigid.Body.from_obj(path)[0].moments, 1.0 / 6.0, rtol=1e-14)
 
 
@@ -126,18 +122,24 @@ def test_two_parts_and_triangles_without_extent(tmp_path: Path) -> None:
     assert np.allclose(found.centre, [3.0, 0.5, 0.5], rtol=1e-15)
 
 
-def test_what_is_no_closed_mesh_is_refused(tmp_path: Path) -> None:
-    opened = binary_stl(tmp_path / "open.stl", CUBE, TRIANGLES[1:])
-    with pytest.raises(ValueError, match=r"path = '.*open\.stl': .*is open \(3 such edges\)"):
-        rigid.Body.from_stl(opened, mass=1.0)
-    inside = binary_stl(tmp_path / "inside.stl", CUBE, TRIANGLES[:, ::-1])
-    with pytest.raises(ValueError, match=r"path = '.*inside\.stl': .* the mesh is inside out"):
-        rigid.Body.from_stl(inside, mass=1.0)
-    flipped = TRIANGLES.copy()
-    flipped[0] = flipped[0, ::-1]
-    turned = obj(tmp_path / "turned.obj", CUBE, flipped)
-    with pytest.raises(ValueError, match=r"turned\.obj': .* not consistently oriented"):
-        rigid.Body.from_obj(turned, mass=1.0)
+FLIPPED = np.concatenate([TRIANGLES[:1, ::-1], TRIANGLES[1:]])
+
+
+@pytest.mark.parametrize(
+    ("faces", "rule"),
+    [
+        (TRIANGLES[1:], r".*is open \(3 such edges\)"),
+        (TRIANGLES[:, ::-1], ".* the mesh is inside out"),
+        (FLIPPED, ".* not consistently oriented"),
+    ],
+)
+def test_what_is_no_closed_mesh_is_refused(
+    faces: NDArray[np.int64], rule: str, tmp_path: Path
+) -> None:
+    with pytest.raises(ValueError, match=rf"path = '.*a\.stl': {rule}"):
+        rigid.Body.from_stl(binary_stl(tmp_path / "a.stl", CUBE, faces), mass=1.0)
+    with pytest.raises(ValueError, match=rf"path = '.*a\.obj': {rule}"):
+        rigid.Body.from_obj(obj(tmp_path / "a.obj", CUBE, faces), mass=1.0)
 
 
 @pytest.mark.parametrize(
@@ -292,6 +294,8 @@ def test_a_mesh_whose_mass_properties_overflow_is_refused() -> None:
 # Links of robots from URDF: mass, centre and tensor in the axes of the link
 
 
+#: Roll, pitch and yaw about fixed axes: SciPy writes extrinsic angles in small letters.
+TURNED = Rotation.from_euler("xyz", [0.3, -0.4, 0.5]).as_matrix()
 TENSOR = np.array([[1.0, 0.1, -0.2], [0.1, 2.0, 0.15], [-0.2, 0.15, 2.5]])
 INERTIAL = """<inertial><origin xyz="0.1 0.2 0.3" rpy="0.3 -0.4 0.5"/><mass value="2"/>
 <inertia ixx="1" ixy="0.1" ixz="-0.2" iyy="2" iyz="0.15" izz="2.5"/></inertial>"""
@@ -313,20 +317,17 @@ def body_of(
 
 def test_a_link_has_the_tensor_of_the_file_in_its_own_axes(tmp_path: Path) -> None:
     body, axes = body_of(tmp_path, robot('<link name="world"/>', HAND))
-    # Roll, pitch and yaw about fixed axes: SciPy writes extrinsic angles in small letters.
-    turn = Rotation.from_euler("xyz", [0.3, -0.4, 0.5]).as_matrix()
     assert body.mass == 2.0
     found = axes @ np.diag(body.moments) @ axes.T
-    assert np.allclose(found, turn @ TENSOR @ turn.T, rtol=0.0, atol=1e-14)
+    assert np.allclose(found, TURNED @ TENSOR @ TURNED.T, rtol=0.0, atol=1e-14)
 
 
 def test_about_the_joint_steiner_adds_the_mass_at_the_centre(tmp_path: Path) -> None:
     body, axes = body_of(tmp_path, robot(HAND), about=[0.0, 0.0, 0.0])
-    turn = Rotation.from_euler("xyz", [0.3, -0.4, 0.5]).as_matrix()
     r = np.array([0.1, 0.2, 0.3])
     steiner = 2.0 * (r @ r * np.eye(3) - np.outer(r, r))
     found = axes @ np.diag(body.moments) @ axes.T
-    assert np.allclose(found, turn @ TENSOR @ turn.T + steiner, rtol=0.0, atol=1e-14)
+    assert np.allclose(found, TURNED @ TENSOR @ TURNED.T + steiner, rtol=0.0, atol=1e-14)
 
 
 def test_without_an_origin_the_axes_are_those_of_the_link(tmp_path: Path) -> None:

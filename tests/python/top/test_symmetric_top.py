@@ -9,21 +9,7 @@ import rigid
 from physics import ROUNDOFF, golden_number, present, rotation_matrix, slope, tilted
 from refusals import refuses
 from rigid import exact, free, top
-from trial_tops import (
-    I1,
-    I3,
-    MGL,
-    NOD,
-    OTHER,
-    PUSH,
-    SIXTY,
-    SPIN,
-    TILT,
-    TOP,
-    euler,
-    four,
-    state,
-)
+from trial_tops import I1, I3, MGL, NOD, OTHER, PUSH, SIXTY, SPIN, TILT, TOP, euler, four, state
 
 RANDOM = np.random.default_rng(51)
 
