@@ -595,6 +595,7 @@ def test_no_tilt_passes_pi() -> None:
 HEAVY = rigid.HeavyTop(rigid.Body((1.0, 1.4, 0.7)), mgl=1.0, com=(0.6, 0.0, 0.8))
 HEAVY_TOP: Any = TOP
 FREE: Any = STANDARD
+SIDES = [(0.0, 0.0, 1.0), (0.0, 1.0, 0.0)]
 NO_LAGRANGE = "a Lagrange top has two exactly equal moments and its centre of mass exactly"
 
 
@@ -608,6 +609,10 @@ test_what_has_no_answer_is_refused = refuses(
         (lambda: exact.flip_times(STANDARD, [1, -1, 0]), "omega[0] = [1.0, -1.0, 0.0]"),
         (lambda: exact.flip_times(HEAVY, [1, 2, 3]), "axis = 3: no closed form"),
         (lambda: exact.flip_times(TOP, [1, 2, 3], axis=1), "axis = 1: no closed form"),
+        (
+            lambda: exact.flip_times(rigid.HeavyTop(TOP.body, mgl=1.0, com=SIDES), [1, 2, 3]),
+            "axis = 3: no closed form",
+        ),
         (lambda: exact.lagrange_top(FREE, [1, 2, 3]), TypeError, "must be a rigid.HeavyTop"),
         (lambda: exact.lagrange_top(HEAVY, [1, 2, 3]), NO_LAGRANGE),
         (lambda: exact.tilt_time(HEAVY, [1, 2, 3], limit=1.0), NO_LAGRANGE),

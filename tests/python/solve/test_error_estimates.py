@@ -249,14 +249,26 @@ def test_free_motions_and_kicks_err_in_proportion_to_the_weight_over_the_spin(me
     assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.3)
 
 
-def test_the_remedy_of_a_lost_top_is_an_earlier_end() -> None:
-    run = rigid.simulate(TOP_ASKED, [0.3, 0.4, 1.0], t=[200.0], accuracy=1e-11)
-    assert run.status == rigid.Status.FLAGGED
-    assert "end the run earlier" in run.reasons()[0]
-    assert (
-        rigid.simulate(TOP_ASKED, [0.3, 0.4, 1.0], t=[10.0], accuracy=1e-11).status
-        == rigid.Status.OK
+@pytest.mark.parametrize(
+    ("options", "remedy"),
+    [
+        ({"accuracy": 1e-11}, "shorter steps do not help: end the run earlier"),
+        ({}, "end the run earlier or ask for an accuracy"),
+        ({"method": "taylor16", "tolerance": 1e-11}, "end the run earlier or lower the tolerance"),
+        (
+            {"events": rigid.crosses("omega1")},
+            "chaos or rounding makes it, a smaller tolerance does not help: end the run earlier",
+        ),
+    ],
+    ids=str,
+)
+def test_the_remedy_of_a_lost_top_is_an_earlier_end(options: dict[str, Any], remedy: str) -> None:
+    lost, earlier = (
+        rigid.simulate(TOP_ASKED, [0.3, 0.4, 1.0], t=[end], **options) for end in (200.0, 10.0)
     )
+    assert lost.status == rigid.Status.FLAGGED
+    assert f"; {remedy}" in lost.reasons()[0]
+    assert earlier.status == rigid.Status.OK
 
 
 def test_the_remedy_of_a_method_that_misses_the_accuracy_works() -> None:

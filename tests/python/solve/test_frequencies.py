@@ -308,6 +308,9 @@ def test_a_body_that_fails_or_rests_leaves_the_others_their_drift() -> None:
     assert drift.drift[0] == alone.drift
     assert np.isnan(drift.drift[1:]).all()
     assert np.isnan(drift.first.frequency[1:]).all()
+    apart = rigid.simulate(box, starts[0], t=[t, 2.0 * t], check=False)
+    with pytest.raises(ValueError, match="run: all bodies must share their times"):
+        rigid.frequency_drift(apart)
 
 
 def test_a_signal_takes_no_unit() -> None:

@@ -251,15 +251,14 @@ def test_reported_drifts_are_those_of_the_returned_states(
 
 
 def test_what_is_not_carried_has_no_drift() -> None:
-    run = rigid.simulate(
-        rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0))),
-        [1.0, 2.0, 3.0],
-        t=9.0,
-        step=0.2,
-        record="rates",
+    options: dict[str, Any] = {"t": 9.0, "step": 0.2, "record": "rates"}
+    free, top = (
+        rigid.simulate(ASYMMETRIC[name][0], [1.0, 2.0, 3.0], **options) for name in ("free", "top")
     )
-    assert run.unit_drift == 0.0
-    assert run.energy_drift > 0.0
+    assert free.unit_drift == 0.0
+    assert free.energy_drift > 0.0
+    with pytest.raises(ValueError, match="'rates': the potential energy of a top needs its vert"):
+        top.energy()
 
 
 @pytest.mark.parametrize("method", ["rk4", "taylor16", "midpoint"])

@@ -483,6 +483,9 @@ def test_regular_motions_have_no_lyapunov_time() -> None:
     assert np.isinf(found.time[0])
     assert np.isnan(found.time[1])
     assert np.isnan(found.error).all()
+    words = growth.reasons()[1]
+    assert words.startswith("undecided until t = 40 s; the mean MEGNO is ")
+    assert words.endswith("; take a longer time")
 
 
 def test_growth_has_no_error_once_the_motion_is_lost() -> None:
@@ -505,3 +508,5 @@ def test_parts_need_times() -> None:
         growth.lyapunov_time()
     with pytest.raises(ValueError, match="parts = 3: must be"):
         growth.lyapunov_time(3)
+    with pytest.raises(ValueError, match=r"t = \[1\.0\]: a plot needs two times or more"):
+        rigid.lyapunov(BOX, CHAOTIC, t=[1.0]).plot()

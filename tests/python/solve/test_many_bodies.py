@@ -328,6 +328,10 @@ REFUSED: list[tuple[Any, ...]] = [
     ),
     (lambda: rigid.condition(FREE, OMEGA, t=OWN_T), "t: expected shape (m,), got (37, 6)"),
     (
+        lambda: rigid.simulate_chunks(FREE, OMEGA[:, None], t=[1.0]),
+        "omega: expected one axis of bodies, got bodies of shape (37, 37)",
+    ),
+    (
         lambda: rigid.simulate(TOPS, OMEGA, t=[1.0], method="exact"),
         "method = 'exact': no closed form of rates and attitude at output times for body 1 of the",
     ),
