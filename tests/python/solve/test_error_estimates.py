@@ -20,9 +20,9 @@ TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
 
 def test_random_scenes() -> None:
     """True errors are at most the estimated ones, which are seldom much larger."""
-    ratios, missed = survey(400, seed=2026)
+    ratios, missed = survey(200, seed=2026)
     assert not missed
-    assert len(ratios) > 300
+    assert len(ratios) > 150
     assert np.mean(ratios <= 1.0) >= 0.99
     assert 0.05 <= np.median(ratios) <= 1.0
 
@@ -47,7 +47,7 @@ def test_every_method_gives_the_accuracy_or_says_that_it_does_not(case: Golden) 
                     t=[case.t[last]],
                     method=method.name,
                     accuracy=accuracy,
-                    max_steps=20_000,
+                    max_steps=5_000,
                 )
             except ValueError:
                 continue  # beyond float64, or not for this body
@@ -355,7 +355,7 @@ def test_no_body_is_planned_by_the_method_that_was_asked_for() -> None:
     assert (none.plan.method, none.plan.tolerance) == ("rk4", None)
 
 
-def test_an_accuracy_above_one_is_as_one_under_a_function() -> None:
+def test_an_accuracy_above_one_is_as_one_under_a_function(no_numba: None) -> None:
     def brake(t: float, omega: Floats, attitude: Floats, data: Floats, torque: Floats) -> None:
         for k in range(3):
             torque[k] = -0.1 * omega[k]

@@ -80,14 +80,7 @@ def test_a_body_that_comes_from_afar_errs_as_stated(e: float, distance: float) -
         rigid.FreeBody(BODY, orbit=orbit, rotor=(0.0, 0.1 * fastest, 0.0), damping=1e-3 / mean),
     ):
         case = Case("flyby", scene, omega, np.array([0.8, 0.1, 0.5, -0.3]), t, {})
-        exact = quad_motion.motion(
-            scene,
-            omega,
-            case.attitude,
-            t,
-            tolerance=quad_motion.FAST_TOLERANCE,
-            number="long double",
-        )
+        exact = quad_motion.motion(scene, omega, case.attitude, t, **quad_motion.FAST)
         assert exact is not None
         asked: list[dict[str, Any]] = [{}, {"accuracy": 1e-6}]
         if distance < 100.0:
