@@ -98,7 +98,7 @@ def test_the_state_of_a_function_is_seen_by_another(way: str) -> None:
     same(events[0], events[1], scale=0.5)
 
 
-def test_a_body_is_as_far_as_the_semi_major_axis_when_keplers_equation_says() -> None:
+def test_a_body_is_as_far_as_the_semi_major_axis_when_keplers_equation_says(no_numba: None) -> None:
     """The distance is 1 - e cos E, so one at E = 90 degrees, when the mean anomaly is 90° - e."""
     rate, e = 0.7, 0.3
 
@@ -165,7 +165,7 @@ def test_the_stated_error_bounds_that_of_legendres_time() -> None:
     assert np.all(own.error < 1e-9)
 
 
-def test_a_record_ends_where_a_function_says() -> None:
+def test_a_record_ends_where_a_function_says(no_numba: None) -> None:
     """Damping with the rate 0.1 halves the energy after ln 2 / 0.2."""
 
     def energy(t, omega, attitude):  # type: ignore[no-untyped-def]
@@ -181,7 +181,7 @@ def test_a_record_ends_where_a_function_says() -> None:
     assert not np.isnan(run.omega[1, 2]).any()
 
 
-def test_corners_and_jumps_are_found_where_the_sign_changes() -> None:
+def test_corners_and_jumps_are_found_where_the_sign_changes(no_numba: None) -> None:
     """A limit switch of the third rate, and the distance of its size from a value."""
 
     def switch(t, omega, attitude):  # type: ignore[no-untyped-def]
@@ -211,7 +211,7 @@ def test_corners_and_jumps_are_found_where_the_sign_changes() -> None:
     np.testing.assert_allclose(bent.t, named[0].t, rtol=SAME)
 
 
-def test_a_function_that_has_its_value_all_along_crosses_nothing() -> None:
+def test_a_function_that_has_its_value_all_along_crosses_nothing(no_numba: None) -> None:
     def still(t, omega, attitude):  # type: ignore[no-untyped-def]
         return 0.7
 
