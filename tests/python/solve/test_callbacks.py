@@ -503,7 +503,7 @@ def test_events_are_those_of_the_twin_within_their_stated_errors(called: Any, tw
 
 @beside_its_twin
 def test_a_section_has_the_points_of_its_twin(called: Any, twin: Any) -> None:
-    known, points = (rigid.poincare(one, OMEGA, TILTED, t_end=20.0) for one in (twin, called))
+    known, points = (rigid.poincare(one, OMEGA, TILTED, t_end=30.0) for one in (twin, called))
     assert len(points.t) == len(known.t) > 5
     assert bool(points.complete)
     assert np.all(np.abs(points.t - known.t) <= points.error + known.error)
