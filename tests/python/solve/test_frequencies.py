@@ -296,6 +296,9 @@ def test_weak_lines_beside_strong_ones_are_covered() -> None:
         off = np.abs(lines.frequency - frequency)
         assert (off <= lines.error).all()
         assert (lines.error < 1e-10).all()
+    # The phases of a strong line, up to 2000 rad, round by 5e-13: a line of 1e-11 is more.
+    lines = rigid.frequencies(t, np.exp(20j * t) + 1e-11 * np.exp(3j * t), count=3)
+    np.testing.assert_allclose(np.abs(lines.amplitude), [1.0, 1e-11, 0.0], rtol=1e-3)
 
 
 def test_a_body_that_fails_or_rests_leaves_the_others_their_drift() -> None:

@@ -2,6 +2,7 @@
 
 import json
 import pickle
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -199,13 +200,10 @@ def test_the_condition_of_a_body_among_others() -> None:
 
 
 def test_the_plan_of_many_bodies_covers_the_slowest() -> None:
-    plan = rigid.plan(TOPS, "attitude", omega=OMEGA, attitude=ATTITUDE, t_end=2.0, method="rk4")
-    alone = [
-        rigid.plan(
-            TOPS[k], "attitude", omega=OMEGA[k], attitude=ATTITUDE[k], t_end=2.0, method="rk4"
-        )
-        for k in range(COUNT)
-    ]
+    plan, *alone = (
+        rigid.plan(TOPS[k], omega=OMEGA[k], attitude=ATTITUDE[k], t_end=2.0, method="rk4")
+        for k in (slice(None), *range(COUNT))
+    )
     assert plan.step == min(one.step for one in alone if one.step)
     assert plan.steps == max(one.steps for one in alone if one.steps)
     assert rigid.plan(FREE, "rates").method == "exact"
@@ -237,9 +235,15 @@ def test_the_error_of_a_body_among_others_is_its_own(method: str) -> None:
         assert_alone(run, one, k, ("error", "lost_from", "status"))
 
 
-ONE = rigid.Body((1.0, 1.2, 1.5))
+ONE, EYE = rigid.Body((1.0, 1.2, 1.5)), np.eye(3).tolist()
 BAD = MOMENTS / SIZE[:, None]
 BAD[17] = (1.0, 1.0, 2.5)
+
+
+def by_rk4(scene: Scene, **options: Any) -> Callable[[], object]:
+    return lambda: rigid.simulate(scene, OMEGA[0], t=[1.0], method="rk4", **options)
+
+
 REFUSED: list[tuple[Any, ...]] = [
     (lambda: rigid.Body(BAD), "moments[17] = (1, 1, 2.5): no moment may exceed"),
     (
@@ -264,15 +268,11 @@ REFUSED: list[tuple[Any, ...]] = [
         "damping[7] = -1.0: must not be negative",
     ),
     (
-        lambda: rigid.FreeBody(
-            ONE, damping=np.array([np.eye(3), [[1, 2, 0], [2, 1, 0], [0, 0, 1]]])
-        ),
+        lambda: rigid.FreeBody(ONE, damping=[EYE, [[1, 2, 0], [2, 1, 0], [0, 0, 1]]]),
         "damping[1] = [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]]: must be positive semi",
     ),
     (
-        lambda: rigid.FreeBody(
-            ONE, damping=np.array([np.eye(3), [[1, 1, 0], [0, 1, 0], [0, 0, 1]]])
-        ),
+        lambda: rigid.FreeBody(ONE, damping=[EYE, [[1, 1, 0], [0, 1, 0], [0, 0, 1]]]),
         "damping[1] = [[1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]: must be a symmetric",
     ),
     (
@@ -298,22 +298,11 @@ REFUSED: list[tuple[Any, ...]] = [
         "omega[9]: the rates of the body are",
     ),
     (
-        lambda: rigid.simulate(
-            rigid.HeavyTop(rigid.Body((1e-3, 1e-3, 1e-3)), mgl=[1.0, 1e308]),
-            OMEGA[0],
-            t=[1.0],
-            method="rk4",
-        ),
+        by_rk4(rigid.HeavyTop(rigid.Body((1e-3, 1e-3, 1e-3)), mgl=[1.0, 1e308])),
         "mgl[1] = 1e+308: must be below 1e+153 times the least moment, 0.001",
     ),
     (
-        lambda: rigid.simulate(
-            rigid.FreeBody(ONE, damping=[1.0, 1e4, 1.0, 1.0]),
-            OMEGA[0],
-            t=[1.0],
-            method="rk4",
-            step=0.1,
-        ),
+        by_rk4(rigid.FreeBody(ONE, damping=[1.0, 1e4, 1.0, 1.0]), step=0.1),
         "step = 1e-1 of body 1: 'rk4' is unstable",
     ),
     (
@@ -347,26 +336,20 @@ REFUSED: list[tuple[Any, ...]] = [
         lambda: exact.pendulum_period(rigid.HeavyTop(ONE, mgl=[1.0, 0.0]), 0.1, axis=1),
         "mgl[1] = 0, com[1] = (0.0, 0.0, 1.0): a pendulum about axis 1 needs a weight",
     ),
-    (
-        lambda: rigid.stability_map(
-            FREE, axes={"tilt": [0.1]}, samples=1, t_end=1.0, stable=rigid.no_flip()
-        ),
-        "scene: expected one body, got bodies of shape (37,); take one of them, scene[0]",
-    ),
-    (lambda: rigid.report(FREE, OMEGA[0], t_end=1.0), "scene: expected one body, got"),
-    (
-        lambda: figures.upright_cubic(TOPS),
-        "scene: expected one body, got bodies of shape (37,); take one of them, scene[0]",
+    *(
+        (call, "scene: expected one body, got bodies of shape (37,); take one of them, scene[0]")
+        for call in (
+            lambda: rigid.plan(FREE, rigid.no_flip(), t_end=1.0),
+            lambda: rigid.report(FREE, OMEGA[0], t_end=1.0),
+            lambda: figures.upright_cubic(TOPS),
+            lambda: figures.cycloids(TOPS, 1.0, 40.0),
+        )
     ),
     (
         lambda: rigid.particles.propagate_body(
             BODY, np.zeros(3), np.zeros(3), OMEGA, force=np.zeros(3), t=[1.0]
         ),
         "body: expected one body, got bodies of shape (37,)",
-    ),
-    (
-        lambda: figures.cycloids(TOPS, 1.0, 40.0),
-        "scene: expected one body, got bodies of shape (37,)",
     ),
     (
         lambda: rigid.free.power_balance(rigid.simulate(FREE, OMEGA, t=OWN_T)),
@@ -383,11 +366,7 @@ REFUSED: list[tuple[Any, ...]] = [
     (lambda: BODY.symmetry_axis, "body: expected one body, got bodies of shape (37,)"),
 ]
 
-
-test_the_bad_one_is_named = refuses(
-    REFUSED,
-    literal=True,
-)
+test_the_bad_one_is_named = refuses(REFUSED, literal=True)
 
 
 def test_the_textbook_of_bodies_that_differ() -> None:
