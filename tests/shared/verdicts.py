@@ -181,14 +181,15 @@ def judge(number: int, seed: int, kinds: Kinds = KINDS) -> Finding:
     status = int(run.status if row is None else run.status[row])
     if status not in (*JUDGED, rigid.Status.FLAGGED):
         return Finding(number, case, "status", method, status=status)
+    true = np.inf
     for kind in (quad_motion.FAST, {}):
-        truth = _truth(case, **kind)
-        if truth is None or not np.isfinite(truth.high).all():
-            return Finding(number, case, "no truth", method)
-        errors = true_errors(case, run, row, truth)
-        true = float(np.max(errors))
         if 2.0 * true <= max(asked, stated):
             break  # clearly right: 128 bits would say the same
+        found = _truth(case, **kind)
+        if found is None or not np.isfinite(found.high).all():
+            return Finding(number, case, "no truth", method)
+        truth, errors = found, true_errors(case, run, row, found)
+        true = float(np.max(errors))
     lost_from = float(run.lost_from if row is None else run.lost_from[row])
     early = float(np.max(errors, where=np.abs(case.t) < np.abs(lost_from), initial=0.0))
     within = np.nan

@@ -205,7 +205,7 @@ RENAMINGS = [
 @pytest.mark.parametrize("family", FREE)
 @pytest.mark.parametrize(("order", "signs", "turn"), RENAMINGS)
 def test_the_names_of_the_axes_are_free(
-    family: str, order: tuple[int, ...], signs: tuple[int, ...], turn: tuple[float, ...]
+    family: str, order: tuple[int, ...], signs: Any, turn: tuple[float, ...]
 ) -> None:
     """The same body in other axes: the same state, to the rounding of the renamed attitude."""
     found, indices, renaming = cases(family), list(order), np.array(turn)

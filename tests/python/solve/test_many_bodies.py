@@ -235,7 +235,8 @@ def test_the_error_of_a_body_among_others_is_its_own(method: str) -> None:
         assert_alone(run, one, k, ("error", "lost_from", "status"))
 
 
-ONE, EYE = rigid.Body((1.0, 1.2, 1.5)), np.eye(3).tolist()
+ONE = rigid.Body((1.0, 1.2, 1.5))
+EYE = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
 BAD = MOMENTS / SIZE[:, None]
 BAD[17] = (1.0, 1.0, 2.5)
 
