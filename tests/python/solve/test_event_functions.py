@@ -149,16 +149,10 @@ def test_a_quantity_without_a_name_crosses_as_by_scipy(way: str) -> None:
 
 def test_the_stated_error_bounds_that_of_legendres_time() -> None:
     """A free body in closed form: its rates and their zeros are known to rounding."""
-
-    def spin(t, omega, attitude):  # type: ignore[no-untyped-def]
-        return omega[0]
-
     body = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
     start = np.random.default_rng(4).normal(size=(40, 3))
-    run = rigid.simulate(
-        body, start, t=[50.0], events=[rigid.crosses(spin), rigid.crosses("omega1")]
-    )
-    own, named = run.events
+    events = [rigid.crosses(spin), rigid.crosses("omega3")]
+    own, named = rigid.simulate(body, start, t=[50.0], events=events).events
     assert np.array_equal(own.body, named.body)
     assert len(own) > 100
     assert np.all(np.abs(own.t - named.t) <= own.error + named.error)
@@ -257,19 +251,14 @@ test_what_no_function_can_be_is_refused = refuses(
     [
         (lambda: rigid.crosses(lambda t: t), TypeError, r"must take \(t, omega, attitude\), or"),
         (lambda: rigid.crosses(len, 1.0), TypeError, "must take"),
-        (lambda: rigid.crosses(spin, axis=1), ValueError, "axis = 1: belongs to pointing"),
-        (lambda: rigid.crosses(spin, omega=[1, 0, 0]), ValueError, "leave the name out"),
-        (lambda: rigid.crosses(spin, np.inf), ValueError, "value = inf"),
-        (
-            lambda: rigid.turns(cast(Any, spin)),
-            ValueError,
-            "has no known rate; let rigid.crosses find",
-        ),
-        (lambda: found(SCENES["top"], rigid.crosses(no_state)), ValueError, "states: no_state"),
-        (lambda: found(SCENES["top"], rigid.crosses(no_place)), ValueError, "no orbit"),
+        (lambda: rigid.crosses(spin, axis=1), "axis = 1: belongs to pointing"),
+        (lambda: rigid.crosses(spin, omega=[1, 0, 0]), "leave the name out"),
+        (lambda: rigid.crosses(spin, np.inf), "value = inf"),
+        (lambda: rigid.turns(cast(Any, spin)), "has no known rate; let rigid.crosses find"),
+        (lambda: found(SCENES["top"], rigid.crosses(no_state)), "states: no_state"),
+        (lambda: found(SCENES["top"], rigid.crosses(no_place)), "no orbit"),
         (
             lambda: found(SCENES["top"], rigid.crosses(spin), frame=np.eye(3)),
-            ValueError,
             "frame: the function of an event is told principal axes",
         ),
     ],
