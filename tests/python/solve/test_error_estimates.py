@@ -345,7 +345,19 @@ def test_the_limit_of_steps_holds_for_the_run_and_not_for_its_check() -> None:
 
 def test_no_body_is_planned_by_the_method_that_was_asked_for() -> None:
     none = rigid.simulate(TOP_ASKED, np.zeros((0, 3)), t=[1.0], method="rk4", accuracy=1e-6)
-    assert (none.plan.method, none.plan.tolerance) == ("rk4", None)
+    assert (none.plan.method, none.plan.tolerance, none.plan.steps) == ("rk4", None, 0)
+    assert rigid.plan(FREE, omega=np.zeros((0, 3)), t_end=1.0, method="rk4").steps == 0
+
+
+def test_a_slow_body_is_planned_by_its_own_rates() -> None:
+    """Not as if it turned by a radian, or as if damping slowed it at 1 1/s."""
+    slow: dict[str, Any] = {"omega": [0.0, 0.0, 1e-3], "t_end": 100.0}
+    assert rigid.plan(FREE, **slow).error == pytest.approx(1.1e-15, rel=1e-12)
+    assert rigid.plan(FREE, **slow, accuracy=1.2e-15).method == "exact"
+    with pytest.raises(ValueError, match="accuracy = 1.05e-15: must be at least"):
+        rigid.plan(FREE, **slow, accuracy=1.05e-15)
+    damped = rigid.FreeBody(FREE.body, damping=(0.5, 0.6, 0.6))
+    assert "strong damping, at a rate of 0.5 1/s: etd4" in rigid.plan(damped, **slow).why
 
 
 def test_an_accuracy_above_one_is_as_one_under_a_function(no_numba: None) -> None:
