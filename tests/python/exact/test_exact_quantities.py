@@ -157,7 +157,7 @@ def test_flips_of_many_bodies_by_their_largest_rates() -> None:
     # The first starts at the crest of its middle rate: a quarter of the period comes first.
     np.testing.assert_allclose(times[0], [0.5 * 28.731424, 1.5 * 28.731424], atol=1e-6)
     assert (times[1] == np.inf).all()
-    for k in (0, 1, 2, 3):
+    for k in range(4):
         alone = exact.flip_times(STANDARD, omega[k], count=2)
         assert alone.tobytes() == times[k].tobytes()
     np.testing.assert_array_equal(exact.flip_times(STANDARD, omega), times[:, :1])
@@ -469,13 +469,9 @@ def test_small_transverse_rates_still_change_their_sign() -> None:
 
 
 def test_a_map_sees_flips_of_tiny_perturbations() -> None:
+    start, axes = rigid.Start(omega=(1e-150, 1.0, 0.0)), {"t_end": [600.0, 601.0]}
     result = rigid.stability_map(
-        BODY,
-        axes={"t_end": [600.0, 601.0]},
-        samples=2,
-        stable=rigid.no_flip(2),
-        start=rigid.Start(omega=(1e-150, 1.0, 0.0)),
-        rng=1,
+        BODY, axes=axes, samples=2, stable=rigid.no_flip(2), start=start, rng=1
     )
     assert result.share.tolist() == [1.0, 0.0]
 
@@ -538,10 +534,13 @@ def test_slow_bodies_have_quantities_of_their_rates() -> None:
     assert motion.precession == 3e-300
     symmetric = exact.free_body(rigid.Body((1.0, 1.0, 2.0)), [3e-200, 4e-200, 1e-200])
     assert symmetric.amplitude[0] == pytest.approx(5e-200, rel=4 * ROUNDOFF)
-    with pytest.raises(ValueError, match=r"omega = 1e-305: must be zero or reach 1e-300 rad/s"):
-        exact.free_body(BODY, [1e-305, 0.0, 0.0])
-    with pytest.raises(ValueError, match=r"limit = 1e-160: must lie in .* and reach 1e-150"):
-        exact.tilt_time(TOP, [0.0, 0.0, 1.0], limit=1e-160)
+
+
+def map_from_rest(tilts: list[float], limit: float, **options: Any) -> rigid.StabilityMap:
+    """Of tops that begin at rest at these tilts, one each."""
+    start, stable = rigid.Start(omega=(0.0, 0.0, 0.0)), rigid.tilt_below(limit)
+    options |= {"axes": {"tilt": tilts}, "samples": 1, "t_end": 100.0, "rng": 1}
+    return rigid.stability_map(TOP, start=start, stable=stable, **options)
 
 
 @pytest.mark.parametrize("distance", [2e-8, 1e-10, 1e-14])
@@ -549,16 +548,7 @@ def test_a_pendulum_passes_limits_beside_the_lowest_point(distance: float) -> No
     """From rest at any tilt a pendulum swings through the lowest point: no limit below pi holds."""
     tilts = [0.5, 1.0, 1.7, 2.4, 3.0]
     angle = math.pi - distance
-    result = rigid.stability_map(
-        TOP,
-        axes={"tilt": tilts},
-        samples=1,
-        t_end=100.0,
-        stable=rigid.tilt_below(angle),
-        start=rigid.Start(omega=(0.0, 0.0, 0.0)),
-        measure=rigid.time_to_leave(),
-        rng=1,
-    )
+    result = map_from_rest(tilts, angle, measure=rigid.time_to_leave())
     assert result.stable.tolist() == [0] * len(tilts)
     times = result.measures["time_to_leave"].mean
     for tilt, time in zip(tilts, times, strict=True):
@@ -574,22 +564,12 @@ def test_a_pendulum_passes_limits_beside_the_lowest_point(distance: float) -> No
 
 
 def test_no_tilt_passes_pi() -> None:
-    result = rigid.stability_map(
-        TOP,
-        axes={"tilt": [0.5, 2.0]},
-        samples=1,
-        t_end=100.0,
-        stable=rigid.tilt_below(math.pi),
-        start=rigid.Start(omega=(0.0, 0.0, 0.0)),
-        rng=1,
-    )
-    assert result.share.tolist() == [1.0, 1.0]
+    assert map_from_rest([0.5, 2.0], math.pi).share.tolist() == [1.0, 1.0]
 
 
 # Refusals
 
 HEAVY = rigid.HeavyTop(rigid.Body((1.0, 1.4, 0.7)), mgl=1.0, com=(0.6, 0.0, 0.8))
-HEAVY_TOP: Any = TOP
 FREE: Any = STANDARD
 SIDES = [(0.0, 0.0, 1.0), (0.0, 1.0, 0.0)]
 NO_LAGRANGE = "a Lagrange top has two exactly equal moments and its centre of mass exactly"
@@ -598,6 +578,14 @@ NO_LAGRANGE = "a Lagrange top has two exactly equal moments and its centre of ma
 test_what_has_no_answer_is_refused = refuses(
     [
         (lambda: exact.free_body(STANDARD, [1, 2]), "omega: expected shape (..., 3)"),
+        (
+            lambda: exact.free_body(BODY, [1e-305, 0.0, 0.0]),
+            "omega = 1e-305: must be zero or reach 1e-300 rad/s",
+        ),
+        (
+            lambda: exact.tilt_time(TOP, [0.0, 0.0, 1.0], limit=1e-160),
+            ["limit = 1e-160: must lie in ", " and reach 1e-150"],
+        ),
         (lambda: exact.free_body(STANDARD, [1, 2, np.inf]), "omega[2] = inf: must be"),
         (lambda: exact.flip_times("box", [1, 2, 3]), TypeError, "must be a rigid.Free"),  # type: ignore[arg-type]
         (lambda: exact.flip_times(STANDARD, [1, 2, 3], axis=0), "axis = 0: must be"),

@@ -147,14 +147,12 @@ def test_sizes_of_many_solids_make_many_bodies(name: str) -> None:
 
 
 def test_an_axis_of_a_map_may_be_a_size_of_a_solid() -> None:
+    def scene(length: float) -> rigid.FreeBody:
+        return rigid.FreeBody(rigid.Body.box(length, 0.5, 0.2))
+
+    start, axes = rigid.Start(omega=(0.1, 1.0, 0.1)), {"length": [0.8, 1.2]}
     result = rigid.stability_map(
-        lambda length: rigid.FreeBody(rigid.Body.box(length, 0.5, 0.2)),
-        axes={"length": [0.8, 1.2]},
-        start=rigid.Start(omega=(0.1, 1.0, 0.1)),
-        stable=rigid.no_flip(2),
-        samples=2,
-        t_end=5.0,
-        rng=1,
+        scene, axes=axes, start=start, stable=rigid.no_flip(2), samples=2, t_end=5.0, rng=1
     )
     assert result.stable.shape == (2,)
 

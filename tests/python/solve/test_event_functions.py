@@ -188,12 +188,8 @@ def test_corners_and_jumps_are_found_where_the_sign_changes(no_numba: None) -> N
         return max(omega[2] - 0.2, 3.0 * (omega[2] - 0.2))
 
     functions: list[Callable[..., float]] = [switch, corner, bend]
-    values = (0.2, -0.2)
-    jumped, cornered, bent, *named = found(
-        SCENES["top"],
-        *map(rigid.crosses, functions),
-        *(rigid.crosses("omega3", value) for value in values),
-    )
+    events = [rigid.crosses("omega3", value) for value in (0.2, -0.2)]
+    jumped, cornered, bent, *named = found(SCENES["top"], *map(rigid.crosses, functions), *events)
     np.testing.assert_allclose(jumped.t, named[0].t, rtol=SAME)
     assert np.array_equal(jumped.direction, named[0].direction)
     assert np.isnan(jumped.slope).all()

@@ -309,10 +309,9 @@ def test_the_stated_error_of_a_turn_covers_the_distance_from_a_sharp_run() -> No
     rng = np.random.default_rng(5)
     omega, attitude = rng.normal(size=(20, 3)), rng.normal(size=(20, 4))
     watched = [rigid.turns("speed"), rigid.turns("pitch", axes=(1, 3)), rigid.turns("L1")]
+    options: dict[str, Any] = {"t": [40.0], "events": watched, "method": "taylor20"}
     loose, sharp = (
-        rigid.simulate(
-            scene, omega, attitude, t=[40.0], events=watched, method="taylor20", tolerance=size
-        ).events
+        rigid.simulate(scene, omega, attitude, tolerance=size, **options).events
         for size in (1e-9, 1e-17)
     )
     for one, other in zip(loose, sharp, strict=True):

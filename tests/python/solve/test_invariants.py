@@ -234,11 +234,8 @@ def test_reported_drifts_are_those_of_the_returned_states(
         energy_drift = np.abs(energy(scene, run.omega) / kinetic - 1.0).max()
         length = np.linalg.norm(angular_momentum(scene, run.omega), axis=-1)
         momentum_drift = np.abs(length / np.linalg.norm(momentum) - 1.0).max()
-    unit_drift = max(
-        np.abs(np.linalg.norm(v, axis=-1) - 1.0).max()
-        for v in (run.gamma, attitude)
-        if v is not None
-    )
+    units = [attitude] if run.gamma is None else [attitude, run.gamma]
+    unit_drift = max(np.abs(np.linalg.norm(v, axis=-1) - 1.0).max() for v in units)
     # The core forms |L| from |L|^2, of which the drift is the first order; the rest is rounding.
     rounding = 20.0 * ROUNDOFF
     assert run.energy_drift == pytest.approx(energy_drift, rel=1e-9, abs=rounding)
