@@ -472,9 +472,7 @@ def _step_and_count(
     if bodies is None or (problem.span is None and problem.scene.forces):
         return problem.step, None
     own, time = bodies.planned_steps(method, problem.reach or (0.0, 0.0), "states")
-    if problem.step is not None:
-        own = np.full(len(bodies), problem.step)
-    elif steps is not None:
+    if steps is not None:
         own = steps
     return shortest_and_most(own, None if problem.span is None else time, problem.states)
 

@@ -157,9 +157,6 @@ def test_flips_of_many_bodies_by_their_largest_rates() -> None:
     # The first starts at the crest of its middle rate: a quarter of the period comes first.
     np.testing.assert_allclose(times[0], [0.5 * 28.731424, 1.5 * 28.731424], atol=1e-6)
     assert (times[1] == np.inf).all()
-    for k in range(4):
-        alone = exact.flip_times(STANDARD, omega[k], count=2)
-        assert alone.tobytes() == times[k].tobytes()
     np.testing.assert_array_equal(exact.flip_times(STANDARD, omega), times[:, :1])
 
 
@@ -379,8 +376,6 @@ def test_tilt_times_of_many_tops() -> None:
     omega = np.array([[0.0, 0.0, spin] for spin in (2.0, 3.0, 10.0)])
     times = exact.tilt_time(TOP, omega, tilted(0.1), limit=0.5)
     assert np.isfinite(times).tolist() == [True, True, False]
-    for k in range(3):
-        assert exact.tilt_time(TOP, omega[k], tilted(0.1), limit=0.5) == times[k]
 
 
 # Pendulum

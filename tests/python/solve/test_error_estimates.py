@@ -88,6 +88,7 @@ def test_a_run_shows_itself_in_a_line() -> None:
     pair = rigid.simulate(TOP, rates, t=[1.0], method="rk4", step=0.02)
     fine, coarse = pair.error
     assert fine < 1e-6 < 1e-3 < coarse
+    assert pair.status.tolist() == [0, 7]
     assert repr(pair).endswith(f"error {coarse:.1e}; 1 ok, 1 coarse)")
     asked = rigid.simulate(TOP, [0.2, 0.1, 3.0], t=[1.0, 2.0], method="rk4", accuracy=1e-3)
     assert repr(asked) == f"Run(one body at 2 times; rk4; error {asked.error:.1e}; ok)"

@@ -190,6 +190,8 @@ def test_the_unit_of_time_changes_no_digit_of_a_frequency(power: int) -> None:
     found = rigid.frequencies(np.ldexp(t, power), z)
     np.testing.assert_array_equal(found.frequency, np.ldexp(known.frequency, -power))
     np.testing.assert_array_equal(found.error, np.ldexp(known.error, -power))
+    with pytest.raises(ValueError, match=r"t: from -1e\+308 to 1e\+308: their span must be"):
+        rigid.frequencies(1e308 * np.linspace(-1.0, 1.0, 32), np.ones(32))
 
 
 @pytest.mark.parametrize("real", [False, True])
