@@ -109,6 +109,8 @@ def test_a_top_that_turns_so_often_that_rounding_exceeds_1e_8_is_integrated_all_
     assert run.error[1] <= 1e-7
     with pytest.raises(ValueError, match="accuracy = 1e-08: must be at least"):
         rigid.simulate(TOP, omega[0], t=[10.0], accuracy=1e-8)
+    with pytest.raises(ValueError, match=r"accuracy = 1\.19209e-07: must be at least 1\.2e-07 in fl"):
+        rigid.simulate(TOP, omega[1], t=[10.0], accuracy=2.0**-23, dtype=np.float32)
 
 
 @pytest.mark.parametrize(
