@@ -96,6 +96,9 @@ def test_methods_of_bodies_that_may_stop_are_no_series() -> None:
     assert plan.method in ("rk4", "dop853")
     turns = rigid.FreeBody(BODY, drag=0.1)
     assert rigid.plan(turns, omega=[0.1, 0.2, 3.0], t_end=10.0).method in METHODS
+    # Nor the method for strong damping, which does not know drag.
+    damped = rigid.FreeBody(BODY, drag=0.1, damping=100.0)
+    assert rigid.plan(damped, omega=[0.1, 0.2, 0.3], t_end=10.0).method == "dop853"
 
 
 test_impossible_drag_is_refused = refuses(
