@@ -131,6 +131,7 @@ def planned_steps(
     method: str,
     span: NDArray[np.float64],
     of: str,
+    step: float | None = None,
 ) -> NDArray[np.float64]: ...
 def status_names() -> list[str]: ...
 def closed_forms_for(

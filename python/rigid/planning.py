@@ -178,12 +178,6 @@ def plan(
         number=None if bodies is None else positive_int("bodies", bodies),
     )
     made = plan_states(problem)
-    damped = "damping" in scene.forces
-    if damped and omega is not None and t_end is not None and step is not None:
-        # The first step of the call, which refuses one that is too long for the damping.
-        simulate(
-            scene, omega, attitude, t=t_end, method=method, step=step, max_steps=1, progress=False
-        )
     if not cost:
         return made
     if omega is None or t_end is None:

@@ -293,14 +293,17 @@ pub fn fastest_rates<'py>(
 }
 
 /// The longest step of each body between two times, and the time in which equal steps of that length are as many as those of
-/// the run; shape (n, 2). For states, the samples of a map, or the growth of their deviation vectors.
+/// the run; shape (n, 2). For states, the samples of a map, or the growth of their deviation vectors. A step that is asked for
+/// takes the place of the longest one; one that is unstable is refused.
 #[pyfunction]
+#[pyo3(signature = (bodies, method, span, of, step=None))]
 pub fn planned_steps<'py>(
     py: Python<'py>,
     bodies: Bodies<'py>,
     method: &str,
     span: Aligned2<'py, f64>,
     of: &str,
+    step: Option<f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let _standard = FloatEnvironment::standard();
     let choice = AnyMethod::parse(method)?;
@@ -315,12 +318,14 @@ pub fn planned_steps<'py>(
     let mut steps = memory::reserved("steps", n)?;
     for part in BodyColumns::parts(n, 1) {
         let bodies = bodies.of(part.clone())?;
-        steps.extend(
-            bodies
-                .iter()
-                .zip(part)
-                .map(|(body, index)| choice.planned_step(of, body, forces.of(index), spans.of(index))),
-        );
+        for (body, index) in bodies.iter().zip(part) {
+            let (forces, span) = (forces.of(index), spans.of(index));
+            let [longest, time] = choice.planned_step(of, body, forces, span);
+            if let (Some(step), AnyMethod::Steps(method), false) = (step, choice, forces.is_none()) {
+                trajectory::check_step(method, (n > 1).then_some(index), body, forces, step, span)?;
+            }
+            steps.push([step.unwrap_or(longest), time]);
+        }
     }
     shaped(py, steps.into_flattened(), [n, 2])
 }

@@ -27,7 +27,7 @@ pub use states::{Column, States, StatesPart};
 use crate::body::Body;
 use crate::call::Call;
 use crate::error::{Error, refuse};
-use crate::forces::ForceSet;
+use crate::forces::{BodyForces, ForceSet};
 use crate::kernel::{Group, Kernel, KernelAssignment, Needs, System};
 use crate::memory;
 use crate::method::{AnyMethod, Method, Step};
@@ -95,7 +95,6 @@ fn check_forced(request: &Request, method: &Method) -> Result<(), Error> {
     for index in 0..request.bodies.len() {
         method.check_forces(request.forces_of(index).into())?;
     }
-    let is_stable = method.forced_limit()? == f64::INFINITY || request.tolerance.is_some();
     let mut last = None;
     for (index, (body, &step)) in request.bodies.iter().zip(request.steps).enumerate() {
         let forces = request.forces_of(index);
@@ -109,16 +108,32 @@ fn check_forced(request: &Request, method: &Method) -> Result<(), Error> {
             continue;
         }
         last = next;
-        forces.damping.check_rates(body.moments)?;
-        if is_stable {
-            continue;
-        }
-        let [.., rate] = forces.damping.rates(body.moments);
-        // A step is cut to the span.
-        let step = step.min(request.range_of(index).iter().fold(0.0_f64, |a, t| a.max(t.abs())));
-        method.check_damping((request.bodies.len() > 1).then_some(index), step, rate)?;
+        let name = (request.bodies.len() > 1).then_some(index);
+        // A tolerance finds steps that are short enough.
+        let step = if request.tolerance.is_some() { 0.0 } else { step };
+        check_step(method, name, body, forces, step, request.range_of(index))?;
     }
     Ok(())
+}
+
+/// Refuses damping at a rate beyond the doubles, and a step that is unstable at its rate. The body is named if it is one
+/// among many.
+///
+/// # Errors
+/// Naming the damping or the step; or if the method does not move forced bodies.
+pub fn check_step(
+    method: &Method,
+    name: Option<usize>,
+    body: &Body,
+    forces: BodyForces,
+    step: f64,
+    range: [f64; 2],
+) -> Result<(), Error> {
+    forces.damping.check_rates(body.moments)?;
+    let [.., rate] = forces.damping.rates(body.moments);
+    // A step is cut to the span.
+    let step = step.min(range.iter().fold(0.0_f64, |a, t| a.max(t.abs())));
+    method.check_damping(name, step, rate)
 }
 
 /// Most bodies of a block of neighbours that are not alike.

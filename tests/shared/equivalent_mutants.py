@@ -15,6 +15,21 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "False -> True",
     ): "the flag guards against a fault of ours: nothing writes into the rates of bodies",
     (
+        "model/bodies.py",
+        "if not fastest**2 < HEAVIEST:",
+        "2 -> 3",
+    ): "it decides how soon the weight is looked at, whose own limit then counts",
+    (
+        "_checks/arguments.py",
+        "if type(value) is int and minimum <= value < 2**63:",
+        "2 ** 63 -> 2 * 63",
+    ): "the shorter way for most whole numbers: the longer way gives the same ones",
+    (
+        "_checks/progress.py",
+        "bar.set_postfix_str(failed(progress.failures), refresh=False)",
+        "False -> True",
+    ): "how often a bar is drawn, which nothing that is computed depends on",
+    (
         "reports/ensemble.py",
         "STEPS = 4",
         "4 -> 5",

@@ -1,6 +1,7 @@
 """What the tests share: the methods, reference trajectories, and physics written down once more."""
 
 import json
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -209,6 +210,12 @@ def rotated(attitude: Floats, vector: Floats) -> Floats:
     return turned
 
 
+def cross(u: ArrayLike, v: ArrayLike) -> Floats:
+    """The vector product of two vectors, in a tenth of the time of NumPy's, of arrays of them."""
+    (u1, u2, u3), (v1, v2, v3) = np.asarray(u).tolist(), np.asarray(v).tolist()
+    return np.array([u2 * v3 - u3 * v2, u3 * v1 - u1 * v3, u1 * v2 - u2 * v1])
+
+
 def angle_between(u: Floats, v: Floats) -> Floats:
     """Angles between vectors, accurate for small and for large ones (W. Kahan)."""
     tiny = np.finfo(np.float64).tiny  # a body at rest has no direction
@@ -251,13 +258,13 @@ def place_on_orbit(orbit: rigid.Orbit, t: float) -> NDArray[np.float64]:
     if e > 1.0:
         far = np.arcsinh(mean / (e - 1.0))
         ends = min(2.0 * far, -1e-300), max(2.0 * far, 1e-300)
-        anomaly = brentq(lambda at: e * np.sinh(at) - at - mean, *ends, xtol=1e-15)
-        across = np.cross(orbit.normal, orbit.periapsis) * np.sqrt(e**2 - 1.0)
+        anomaly = brentq(lambda at: e * math.sinh(at) - at - mean, *ends, xtol=1e-15)
+        across = cross(orbit.normal, orbit.periapsis) * np.sqrt(e**2 - 1.0)
         passing: NDArray[np.float64] = (e - np.cosh(anomaly)) * np.array(orbit.periapsis)
         passing += np.sinh(anomaly) * across
         return passing
-    anomaly = brentq(lambda at: at - e * np.sin(at) - mean, mean - 1.0, mean + 1.0, xtol=1e-15)
-    across = np.cross(orbit.normal, orbit.periapsis) * np.sqrt(1.0 - e**2)
+    anomaly = brentq(lambda at: at - e * math.sin(at) - mean, mean - 1.0, mean + 1.0, xtol=1e-15)
+    across = cross(orbit.normal, orbit.periapsis) * np.sqrt(1.0 - e**2)
     along = (np.cos(anomaly) - e) * np.array(orbit.periapsis)
     place: NDArray[np.float64] = along + np.sin(anomaly) * across
     return place

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from physics import Floats, place_on_orbit
+from physics import Floats, cross, place_on_orbit
 from rigid.model.scene import Scene
 
 
@@ -35,8 +35,8 @@ def printed(scene: Scene, called: Called | None = None) -> Callable[[float, Floa
     def rate(t: float, y: Floats) -> Floats:
         w, matrix = y[:3], y[3:].reshape(3, 3)
         momentum = moments * w + rotor
-        acting = np.cross(momentum, w) - damping @ w - np.linalg.norm(w) * drag * w
-        acting = acting - np.cross(weight, matrix[2])
+        acting = cross(momentum, w) - damping @ w - np.linalg.norm(w) * drag * w
+        acting = acting - cross(weight, matrix[2])
         if torque is not None:
             acting = acting + torque.in_body[0] + matrix.T @ np.array(torque.in_space[0])
         if called is not None:
@@ -45,9 +45,9 @@ def printed(scene: Scene, called: Called | None = None) -> Callable[[float, Floa
             place = place_on_orbit(orbit, t)
             o = matrix.T @ place
             cube = 3.0 * orbit.rate**2 / np.linalg.norm(place) ** 5
-            acting = acting + cube * np.cross(o, moments * o)
+            acting = acting + cube * cross(o, moments * o)
         e = sink / moments * (acting / moments)
-        acting = acting + np.cross(momentum, e)
+        acting = acting + cross(momentum, e)
         v1, v2, v3 = w + e
         hat = np.array([[0.0, -v3, v2], [v3, 0.0, -v1], [-v2, v1, 0.0]])
         return np.concatenate([acting / moments, (matrix @ hat).ravel()])
@@ -95,8 +95,8 @@ def with_states(
     def slope(t: float, y: Floats) -> Floats:
         omega, q = y[:3], y[3:7] / np.linalg.norm(y[3:7])
         torque, rates = acting(t, omega, q, y[7:])
-        turning = 0.5 * np.concatenate([[-q[1:] @ omega], q[0] * omega + np.cross(q[1:], omega)])
-        gained = (torque - np.cross(omega, moments * omega)) / moments
+        turning = 0.5 * np.concatenate([[-q[1:] @ omega], q[0] * omega + cross(q[1:], omega)])
+        gained = (torque - cross(omega, moments * omega)) / moments
         return np.concatenate([gained, turning, rates])
 
     ends, first = (0.0, np.max(times)), np.concatenate(start)

@@ -39,7 +39,8 @@ UNITS: Mapping[str, tuple[str, ...]] = {
 units."""
 
 
-_MEASURE = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_MEASURE = re.compile(rf"\s*({_NUMBER})(?![\d.])\s*(\S.*?)?\s*")
 """A number and its unit in a text, such as ``35 deg``."""
 
 _TURNING = {
@@ -60,17 +61,14 @@ def instead_of_a_text(name: str, value: Any, unit: str | None = None) -> str:
     measure = _MEASURE.fullmatch(texts[0])
     if measure is None:
         return f"{rule}, not a text"
-    try:
-        number = float(measure[1])
-    except ValueError:
-        return f"{rule}, not a text"
     if measure[2] is None:
         return f"{rule}, not a text; leave out the quotation marks"
     rule += ", written without the unit"
     if measure[2] in _TURNING:
         unit, constant, size = _TURNING[measure[2]]
         if not units or unit in units:
-            return f"{rule}; {measure[1]} * rigid.units.{constant} is {number * size:.12g}"
+            number = float(measure[1]) * size
+            return f"{rule}; {measure[1]} * rigid.units.{constant} is {number:.12g}"
     return rule
 
 

@@ -90,8 +90,7 @@ def _joined(rows: Iterable[Floats]) -> Floats:
 def _steps(spec: MapSpec, batch: Bodies) -> tuple[Floats, Floats]:
     """The longest step of each body (s), and the time in which so long ones are as many."""
     of = "growth" if spec.stable.has_deviation else "samples"
-    longest, times = batch.planned_steps(spec.method, (0.0, spec.t_end), of)
-    return (longest if spec.step is None else np.full(len(batch), spec.step)), times
+    return batch.planned_steps(spec.method, (0.0, spec.t_end), of, spec.step)
 
 
 def _choice(spec: MapSpec, moments: Floats, weight: Floats, forms: Codes) -> tuple[str, str]:

@@ -97,9 +97,8 @@ def taken(value: Any, width: int, shape: Shape, index: Index) -> Any:
         return value
     every = np.broadcast_to(array, (*shape, *tail))
     where = index if isinstance(index, tuple) else (index,)
-    if any(part is Ellipsis for part in where):
-        return every[(*where, *(slice(None),) * width)]
-    return every[(*where, Ellipsis)]
+    # Whole axes at the end, which an Ellipsis in the index must not take for those of the bodies.
+    return every[(*where, *(slice(None),) * width)]
 
 
 def in_rows(array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:

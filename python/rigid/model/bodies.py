@@ -182,7 +182,9 @@ class Bodies:
             self._rates[key] = rates
         return self._rates[key]
 
-    def planned_steps(self, method: str, span: Range, of: str) -> tuple[Floats, Floats]:
+    def planned_steps(
+        self, method: str, span: Range, of: str, step: float | None = None
+    ) -> tuple[Floats, Floats]:
         """The longest step of each body (s), and the time in which so long ones are as many.
 
         On an orbit over whose anomaly the steps are equal the time is not the time of the run.
@@ -194,9 +196,12 @@ class Bodies:
             First and last time (s).
         of : {"states", "samples", "growth"}
             What the run is for: states, the samples of a map, or the growth of their deviations.
+        step : float, optional
+            The longest step of all bodies (s), instead of those of the method. ValueError if
+            damping makes it unstable.
         """
-        step, time = _core.planned_steps(self, method, _rows_of(span), of).T
-        return step, time
+        longest, time = _core.planned_steps(self, method, _rows_of(span), of, step).T
+        return longest, time
 
     def gammas(self) -> Floats:
         """The upward verticals in body components; shape (n, 3)."""

@@ -7,9 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import MISSING, asdict, dataclass, field, fields, replace
 from typing import Any, ClassVar, Self, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
-
 from .._checks.arguments import brief
 from .scene import Scene
 from .start import Start
@@ -210,22 +207,20 @@ class Joined(Criterion):
 
 
 def can_be_left(logic: Sequence[int | str]) -> bool:
-    """Whether the logic may turn from true to false while its conditions fail one by one."""
-    count = 1 + max(word for word in logic if isinstance(word, int))
-    kept = np.arange(2**count)[:, np.newaxis] >> np.arange(count) & 1 == 1
-    stack: list[NDArray[np.bool_]] = []
+    """Whether the logic may turn from true to false while its conditions fail one by one.
+
+    Each condition stands in it once, so that one that is not negated, or twice, decides somewhere.
+    """
+    stack: list[set[bool]] = []  # whether conditions of a part are negated
     for word in logic:
         if isinstance(word, int):
-            stack.append(kept[:, word])
+            stack.append({False})
         elif word == "~":
-            stack.append(~stack.pop())
+            stack.append({not negated for negated in stack.pop()})
         else:
-            second, first = stack.pop(), stack.pop()
-            stack.append(first & second if word == "&" else first | second)
-    (met,) = stack
-    return any(
-        bool((met & kept[:, k] & ~met[np.arange(2**count) & ~(1 << k)]).any()) for k in range(count)
-    )
+            stack.append(stack.pop() | stack.pop())
+    (negated,) = stack
+    return False in negated
 
 
 def _joined(operation: str, *parts: Criterion) -> Joined:

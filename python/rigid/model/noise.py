@@ -171,7 +171,7 @@ def _lower_factor(cov: tuple[tuple[float, ...], ...]) -> NDArray[np.float64]:
         pivot = cov[k][k]
         for j in range(k):
             pivot -= float(factor[k, j]) * float(factor[k, j])
-        if pivot < -_RANK * abs(cov[k][k]) or cov[k][k] < 0.0:
+        if pivot < -_RANK * abs(cov[k][k]):
             raise ValueError("cov: must be positive semi-definite")
         is_zero = pivot <= _RANK * cov[k][k]
         factor[k, k] = 0.0 if is_zero else math.sqrt(pivot)

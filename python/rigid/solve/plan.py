@@ -471,7 +471,7 @@ def _step_and_count(
     bodies = problem.bodies
     if bodies is None or (problem.span is None and problem.scene.forces):
         return problem.step, None
-    own, time = bodies.planned_steps(method, problem.reach or (0.0, 0.0), "states")
+    own, time = bodies.planned_steps(method, problem.reach or (0.0, 0.0), "states", problem.step)
     if steps is not None:
         own = steps
     return shortest_and_most(own, None if problem.span is None else time, problem.states)

@@ -108,13 +108,6 @@ def test_measured_order_of_methods_of_high_order(
     assert fitted_order(identifier, method, until) == pytest.approx(method.order, abs=0.1)
 
 
-def test_rk4_has_its_order_on_the_free_symmetric_body() -> None:
-    steps = 0.05 * HALVINGS
-    table = [errors("free_symmetric/prolate", "rk4", 9.0, float(step)) for step in steps]
-    for error in np.array(table).T:
-        assert slope(steps, error) == pytest.approx(4.0, abs=0.1)
-
-
 SYMMETRIC = [c for c in golden("free_symmetric") if c.scene.body.symmetry_axis is not None]
 
 

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 import rigid
 from physics import LISTED, METHODS, tilted
 from processes import run_python
+from refusals import refuses
 from rigid import _timing as timing
 from rigid import planning
 from rigid.maps.plan import shortened
@@ -55,7 +56,9 @@ PLANS: list[Callable[[], rigid.Plan]] = [
 
 
 @pytest.mark.parametrize("make", PLANS)
-def test_a_plan_round_trips_through_json(make: Callable[[], rigid.Plan]) -> None:
+def test_a_plan_round_trips_through_json_and_is_read_in_lines(
+    make: Callable[[], rigid.Plan],
+) -> None:
     plan = make()
     assert rigid.Plan.from_dict(plan.to_dict()) == plan
     assert rigid.Plan.from_json(plan.to_json()) == plan
@@ -65,11 +68,6 @@ def test_a_plan_round_trips_through_json(make: Callable[[], rigid.Plan]) -> None
     with pytest.raises(dataclasses.FrozenInstanceError):
         plan.method = "rk5"  # type: ignore[misc]
     assert not hasattr(plan, "__dict__")
-
-
-@pytest.mark.parametrize("make", PLANS)
-def test_a_plan_is_read_in_lines(make: Callable[[], rigid.Plan]) -> None:
-    plan = make()
     facts = dict(line.split(maxsplit=1) for line in str(plan).splitlines())
     names = ["scene", "question", "method", "carried", "why", "left", "error"]
     names += ["cost"] if plan.cost is not None else []
@@ -483,78 +481,86 @@ def test_exact_maps_are_those_of_auto_where_all_have_closed_forms() -> None:
 # Refusals
 
 
-def refused(call: Callable[[], object], kind: type[Exception] = ValueError) -> str:
-    with pytest.raises(kind) as error:
-        call()
-    return str(error.value)
-
-
 STATES_RULE = "closed forms are known of a free body, of a top with two exactly equal moments"
 CLASS_RULE = (
     "closed forms are known of no_flip and regular of a free body, and of tilt_below(axis=±k"
 )
 
 
-def test_exact_is_refused_where_there_is_no_closed_form() -> None:
-    message = refused(lambda: rigid.simulate(HEAVY, RATES, t=[1.0], method="exact"))
-    assert message.startswith("method = 'exact': no closed form of rates and attitude")
-    assert "for the heavy top, moments (1, 1.4, 0.7)" in message
-    assert STATES_RULE in message
-    bodies = [[0.0, 1.0, 0.0], [0.0, 2.0, 0.0], RATES]
-    message = refused(lambda: rigid.simulate(HEAVY, bodies, t=[1.0], method="exact"))
-    assert "for body 2 of the heavy top" in message
-    message = refused(lambda: rigid.plan(FREE, rigid.tilt_below(0.5), t_end=1.0, method="exact"))
-    assert "no closed form of tilt of axis 3 from its start below 0.5 rad" in message
-    assert CLASS_RULE in message
+def exact_map(i1: list[float]) -> rigid.StabilityMap:
+    stable = rigid.tilt_below(0.5)
+    return small_map(rigid.HeavyTop, method="exact", axes={"I1": i1}, stable=stable)
 
 
-def test_an_exact_map_is_refused_for_the_pixel_without_a_closed_form() -> None:
-    options: dict[str, Any] = {"axes": {"I1": [1.0, 1.1]}, "stable": rigid.tilt_below(0.5)}
-    message = refused(lambda: small_map(rigid.HeavyTop, method="exact", **options))
-    assert "method = 'exact': no closed form of tilt of axis 3 from the vertical" in message
-    assert "for the body of pixel (1,), moments (1.1, 1, 0.5)" in message
-    assert CLASS_RULE in message
-    # An impossible body asks for none.
-    options["axes"] = {"I1": [1.0, 5.0]}
-    assert small_map(rigid.HeavyTop, method="exact", **options).exact.tolist() == [20, 0]
+def test_an_impossible_body_needs_no_closed_form() -> None:
+    assert exact_map([1.0, 5.0]).exact.tolist() == [20, 0]
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
+def planned(**options: Any) -> Callable[[], rigid.Plan]:
+    return lambda: rigid.plan(HEAVY, **{"question": "attitude", **options})
+
+
+COST = "cost = True: some of the bodies are run, "
+
+test_what_cannot_be_planned_is_refused = refuses(
     [
-        ({"method": "rk5"}, f"method = 'rk5': did you mean 'rk4'? must be one of {LISTED}"),
-        ({"method": "auto"}, f"method = 'auto': must be one of {LISTED}"),
-        ({"step": 0.0}, "step = 0.0: must be positive"),
-        ({"t_end": -1.0}, "t_end = -1.0: must be positive"),
-        ({"accuracy": 0.0}, "accuracy = 0.0: must be positive"),
-        ({"accuracy": np.nan}, "accuracy = nan: must be finite"),
-        ({"accuracy": 1e-6, "step": 0.1}, "accuracy = 1e-06, step = 0.1: exclude each other"),
-        ({"accuracy": 1e-6, "t_end": 1.0}, "follows from the rates and the horizon; omega is"),
-        ({"accuracy": 1e-6, "omega": RATES}, "t_end is missing"),
-        ({"accuracy": 1e-15, "omega": RATES, "t_end": 1.0}, "1e-15: must be at least 6.0e-15"),
-        ({"attitude": [1, 0, 0, 0]}, "attitude: says nothing without omega"),
-        ({"omega": [1, 2]}, "omega: expected shape (..., 3)"),
-        ({"question": "state"}, "question = 'state': must be one of 'rates', 'axis', 'attitude'"),
+        (
+            lambda: rigid.simulate(HEAVY, RATES, t=[1.0], method="exact"),
+            [
+                "method = 'exact': no closed form of rates and attitude",
+                "for the heavy top, moments (1, 1.4, 0.7)",
+                STATES_RULE,
+            ],
+        ),
+        (
+            lambda: rigid.simulate(
+                HEAVY, [[0.0, 1.0, 0.0], [0.0, 2.0, 0.0], RATES], t=[1.0], method="exact"
+            ),
+            "for body 2 of the heavy top",
+        ),
+        (
+            lambda: rigid.plan(FREE, rigid.tilt_below(0.5), t_end=1.0, method="exact"),
+            ["no closed form of tilt of axis 3 from its start below 0.5 rad", CLASS_RULE],
+        ),
+        (
+            lambda: exact_map([1.0, 1.1]),
+            [
+                "method = 'exact': no closed form of tilt of axis 3 from the vertical",
+                "for the body of pixel (1,), moments (1.1, 1, 0.5)",
+                CLASS_RULE,
+            ],
+        ),
+        (planned(method="rk5"), f"'rk5': did you mean 'rk4'? must be one of {LISTED}"),
+        (planned(method="auto"), f"method = 'auto': must be one of {LISTED}"),
+        (planned(step=0.0), "step = 0.0: must be positive"),
+        (planned(t_end=-1.0), "t_end = -1.0: must be positive"),
+        (planned(accuracy=0.0), "accuracy = 0.0: must be positive"),
+        (planned(accuracy=np.nan), "accuracy = nan: must be finite"),
+        (planned(accuracy=1e-6, step=0.1), "accuracy = 1e-06, step = 0.1: exclude each other"),
+        (planned(accuracy=1e-6, t_end=1.0), "follows from the rates and the horizon; omega is"),
+        (planned(accuracy=1e-6, omega=RATES), "t_end is missing"),
+        (planned(accuracy=1e-15, omega=RATES, t_end=1.0), "1e-15: must be at least 6.0e-15"),
+        (planned(attitude=[1, 0, 0, 0]), "attitude: says nothing without omega"),
+        (planned(omega=[1, 2]), "omega: expected shape (..., 3)"),
+        (planned(question="state"), "question = 'state': must be one of 'rates', 'axis', 'attitu"),
+        (planned(question=3), TypeError, "question = 3: must be one of 'rates', 'axis', 'attitude"),
+        (planned(acuracy=1e-3), TypeError, "unexpected keyword argument 'acuracy'"),
+        (
+            lambda: rigid.plan(3, "rates"),  # type: ignore[arg-type]
+            TypeError,
+            "must be a rigid.FreeBody or rigid.HeavyTop",
+        ),
+        (
+            lambda: rigid.plan(FREE, rigid.tilt_below(0.5, reference="vertical"), t_end=1.0),
+            "a free body knows no vertical",
+        ),
+        (planned(t_end=1.0, cost=True), f"{COST}for which omega is missing"),
+        (planned(omega=RATES, cost=True), f"{COST}for which t_end is missing"),
+        (planned(omega=np.empty((0, 3)), t_end=1.0, cost=True), f"{COST}and there are none"),
+        (planned(question=rigid.no_flip(3), t_end=1.0, bodies=0), "bodies = 0: must be"),
     ],
+    literal=True,
 )
-def test_what_cannot_be_planned_is_refused(options: dict[str, Any], message: str) -> None:
-    question = options.pop("question", "attitude")
-    assert message in refused(lambda: rigid.plan(HEAVY, question, **options))
-
-
-def test_wrong_kinds_are_refused() -> None:
-    assert "must be a rigid.FreeBody or rigid.HeavyTop" in refused(
-        lambda: rigid.plan(3, "rates"),  # type: ignore[arg-type]
-        TypeError,
-    )
-    assert "question = 3: must be one of 'rates', 'axis', 'attitude'" in refused(
-        lambda: rigid.plan(FREE, 3),  # type: ignore[arg-type]
-        TypeError,
-    )
-    with pytest.raises(ValueError, match="a free body knows no vertical"):
-        rigid.plan(FREE, rigid.tilt_below(0.5, reference="vertical"), t_end=1.0)
-    with pytest.raises(TypeError):
-        rigid.plan(FREE, "rates", acuracy=1e-3)  # type: ignore[call-arg]
 
 
 # The cost of a plan is measured on some of the bodies, in a given time. No test asserts a time.
@@ -698,18 +704,6 @@ def test_the_error_of_a_part_of_the_horizon_is_not_that_of_the_whole(
     plan = rigid.plan(HEAVY, omega=RATES, t_end=10.0, cost=True)
     assert plan.error is None
     assert plan.cost is not None
-
-
-def test_what_a_cost_needs_is_named() -> None:
-    rule = "cost = True: some of the bodies are run, "
-    message = refused(lambda: rigid.plan(HEAVY, t_end=1.0, cost=True))
-    assert message == f"{rule}for which omega is missing"
-    message = refused(lambda: rigid.plan(HEAVY, omega=RATES, cost=True))
-    assert message == f"{rule}for which t_end is missing"
-    message = refused(lambda: rigid.plan(HEAVY, omega=np.empty((0, 3)), t_end=1.0, cost=True))
-    assert message == f"{rule}and there are none"
-    message = refused(lambda: rigid.plan(HEAVY, rigid.no_flip(3), t_end=1.0, bodies=0))
-    assert message.startswith("bodies = 0: must be")
 
 
 # The cost of maps

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ellipkinc
 
 import rigid
-from physics import Floats, place_on_orbit
+from physics import Floats, cross, place_on_orbit
 from printed_equations import printed, starting
 from refusals import refuses
 
@@ -36,7 +36,7 @@ def frame_of(orbit: rigid.Orbit, t: float) -> Floats:
     """The columns radial, along and normal, from the place alone."""
     place = place_on_orbit(orbit, t)
     radial, normal = place / np.linalg.norm(place), np.array(orbit.normal)
-    return np.stack([radial, np.cross(normal, radial), normal], axis=-1)
+    return np.stack([radial, cross(normal, radial), normal], axis=-1)
 
 
 def quantity(event: rigid.Event, orbit: rigid.Orbit | None, t: float, matrix: Floats) -> float:
@@ -49,7 +49,7 @@ def quantity(event: rigid.Event, orbit: rigid.Orbit | None, t: float, matrix: Fl
             of = np.array(event.of)
         assert event.axis is not None
         axis = np.sign(event.axis) * matrix[:, abs(event.axis) - 1]
-        return float(np.arctan2(np.linalg.norm(np.cross(axis, of)), axis @ of)) - event.value
+        return float(np.arctan2(np.linalg.norm(cross(axis, of)), axis @ of)) - event.value
     assert orbit is not None
     # A 3-2-1 sequence from rest, with the axes along, normal, radial.
     axes = frame_of(orbit, t)[:, [1, 2, 0]]

@@ -6,19 +6,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 import quad_motion
 import rigid
 from adversarial import KINDS
+from physics import Floats, present
 from printed_equations import solved
 from refusals import refuses
 from rigid.model.bodies import bodies_of
-from rigid.model.scene import scene_from_dict
 from verdicts import judge
-
-Floats = NDArray[np.float64]
 
 METHODS = [method.name for method in rigid.methods() if "rotor" in method.forces]
 
@@ -32,11 +30,6 @@ def in_space(run: rigid.Run, rotor: ArrayLike = (0.0, 0.0, 0.0)) -> Floats:
     moments = np.array(run.spec["scene"]["body"]["moments"])
     found: Floats = run.rotation().apply(moments * run.omega + np.array(rotor))
     return found
-
-
-def attitude_of(run: rigid.Run) -> Floats:
-    assert run.attitude is not None
-    return run.attitude
 
 
 CIRCLE = rigid.Orbit(0.7)
@@ -151,7 +144,7 @@ def test_backward_in_time_the_energy_grows() -> None:
     scene = SCENES["sink"]
     there = rigid.simulate(scene, OMEGA, t=[0.0, 5.0], method="taylor16")
     back = rigid.simulate(
-        scene, there.omega[-1], attitude_of(there)[-1], t=[-5.0, 0.0], method="taylor16"
+        scene, there.omega[-1], present(there.attitude)[-1], t=[-5.0, 0.0], method="taylor16"
     )
     np.testing.assert_allclose(back.omega[0], OMEGA, atol=1e-12)
 
@@ -190,46 +183,6 @@ def on_orbit(moments: ArrayLike, rate: float = 1.0) -> tuple[rigid.FreeBody, Rot
     scene = rigid.FreeBody(rigid.Body(moments), orbit=rigid.Orbit(rate, periapsis=(-1, 0, 0)))
     axes = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]).T
     return scene, Rotation.from_matrix(axes)
-
-
-@pytest.mark.parametrize("moments", [(2.0, 2.1, 0.3), (1.5, 1.9, 1.1), (0.9, 1.0, 0.15)])
-def test_librations_have_their_frequencies(moments: tuple[float, float, float]) -> None:
-    """Small swings are sums of cosines of the frequencies of the linearised motion.
-
-    The roots of a straight line through the phases give each frequency to 1e-8.
-    """
-    found = rigid.free.libration(moments, rate=1.0)
-    assert found.stable
-    assert found.region == "Lagrange"
-    scene, attitude = on_orbit(moments)
-    small, count, horizon = 1e-7, 4000, 400.0
-    t = np.linspace(0.0, horizon, count)
-    run = rigid.simulate(
-        scene,
-        [0.6 * small, 1.0 + small, -0.8 * small],
-        attitude,
-        t=t,
-        method="taylor20",
-        record="rates",
-    )
-    for signal, frequencies in (
-        (run.omega[:, 1] - 1.0, [float(found.pitch)]),
-        (run.omega[:, 0], found.roll_yaw.tolist()),
-        (run.omega[:, 2], found.roll_yaw.tolist()),
-    ):
-        # A frequency wrong by d leaves a residue of d t / sqrt(12) of the amplitude.
-        waves = [wave(f * t) for f in frequencies for wave in (np.cos, np.sin)]
-        design = np.stack(waves, axis=-1)
-        amplitudes, *_ = np.linalg.lstsq(design, signal)
-        residue = np.sqrt(np.mean((signal - design @ amplitudes) ** 2))
-        assert residue < 1e-8 * horizon / np.sqrt(12.0) * np.abs(amplitudes).max()
-        for k, frequency in enumerate(frequencies):
-            # The slope of the residue along the wave is the error of the frequency.
-            slope = t * (
-                design[:, 2 * k + 1] * amplitudes[2 * k] - design[:, 2 * k] * amplitudes[2 * k + 1]
-            )
-            off = (signal - design @ amplitudes) @ slope / (slope @ slope)
-            assert abs(off) < 1e-8 * frequency
 
 
 def test_moons_and_satellites_have_one_convention() -> None:
@@ -290,7 +243,7 @@ def test_rest_in_the_region_of_debra_and_delp_is_stable_and_its_complement_is_no
         assert unknown == (found.reason != "") == (not is_stable)
         if is_stable:
             frequencies = np.sort([float(found.pitch), *found.roll_yaw])
-            np.testing.assert_allclose(np.sort(exponents.imag)[3:], frequencies, rtol=1e-6)
+            np.testing.assert_allclose(np.sort(exponents.imag)[3:], frequencies, rtol=1e-8)
             sums += found.region == "DeBra-Delp"
     assert sums > 3
 
@@ -360,33 +313,10 @@ def test_on_an_orbit_the_rates_are_bounded() -> None:
 # Requests.
 
 
-def test_a_scene_is_read_back_as_it_was() -> None:
-    for scene in (*SCENES.values(), rigid.FreeBody(BODY, rotor=np.ones((2, 3)))):
-        again = scene_from_dict(scene.to_dict())
-        assert again == scene
-        assert again.to_dict() == scene.to_dict()
-
-
-def test_a_scene_is_told_in_words() -> None:
-    words = EVERYTHING.words()
-    assert "orbit at 0.7 rad/s, eccentricity 0.4" in words
-    assert "dissipation (0.05, 0.1, 0.02)" in words
-    assert "rotor (0.3, -0.2, 0.5)" in words
-    assert "rotor=(0.3, -0.2, 0.5)" in repr(EVERYTHING)
-
-
 def test_nothing_acts_if_all_is_zero() -> None:
     scene = rigid.FreeBody(BODY, rotor=(0.0, 0.0, 0.0), dissipation=rigid.EnergySink(0.0))
     assert scene == rigid.FreeBody(BODY)
     assert rigid.plan(scene, "rates").method == "exact"
-
-
-def test_steps_one_by_one_are_those_of_a_run() -> None:
-    motion = rigid.Motion(EVERYTHING, OMEGA, ATTITUDE, method="rk4")
-    for _ in range(64):
-        motion.step(1.0 / 32.0)
-    run = rigid.simulate(EVERYTHING, OMEGA, ATTITUDE, t=[2.0], method="rk4", step=1.0 / 32.0)
-    np.testing.assert_allclose(motion.omega, run.omega[-1], atol=1e-14)
 
 
 BY_MIDPOINT = "'midpoint': does not integrate (a rotor|dissipation|drag|the gravity gradient)"
@@ -409,6 +339,10 @@ test_bad_numbers_are_refused = refuses(
             lambda: rigid.EnergySink.viscous_sphere(0.0, density=1.0, viscosity=1.0),
             "radius = 0.0: must be positive",
         ),
+        (
+            lambda: rigid.EnergySink.viscous_sphere(1e60, density=1.0, viscosity=1.0),
+            "radius = 1e\\+60: the coefficient, inf, leaves the range of doubles",
+        ),
         (lambda: rigid.FreeBody(BODY, rotor=(1.0, 2.0)), r"rotor: expected shape \(..., 3\), got"),
         (
             lambda: rigid.free.jacobi_integral(SCENES["sink"], OMEGA, ATTITUDE, 0.0),
@@ -419,15 +353,8 @@ test_bad_numbers_are_refused = refuses(
             "the Jacobi integral is constant on a circle",
         ),
         (
-            lambda: (
-                rigid.FreeBody(
-                    rigid.Body((1e-300, 1e-300, 1e-300)), rotor=(1e10, 0.0, 0.0)
-                ).acting()
-                and rigid.simulate(
-                    rigid.FreeBody(rigid.Body((1e-300, 1e-300, 1e-300)), rotor=(1e10, 0.0, 0.0)),
-                    OMEGA,
-                    t=[1.0],
-                )
+            lambda: rigid.simulate(
+                rigid.FreeBody(rigid.Body([1e-300] * 3), rotor=(1e10, 0.0, 0.0)), OMEGA, t=[1.0]
             ),
             "rotor: must be below 1e308 times the largest moment",
         ),

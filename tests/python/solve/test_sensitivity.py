@@ -248,25 +248,6 @@ def test_its_order_is_that_of_the_method(method: str, kind: str) -> None:
 # --- Interface -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("options", [{}, {"method": "dop853"}, {"step": 0.01}])
-def test_it_changes_no_bit_of_the_motion_and_of_the_tangent(
-    kind: str, options: dict[str, Any]
-) -> None:
-    starts = np.array([[0.5, 0.4, 2.0], [0.1, 1.0, 0.3]])
-    names = names_of(kind)
-    with_it, without = (
-        rigid.simulate(made(kind), starts, t=TIMES, tangent=asked, **options)
-        for asked in (names, True)
-    )
-    for name in ("omega", "gamma", "attitude", "work", "error", "steps", "tangent"):
-        a, b = getattr(with_it, name), getattr(without, name)
-        assert (a is None) == (b is None)
-        assert a is None or a.tobytes() == b.tobytes(), name
-    assert without.sensitivity is None
-    assert without.parameters == ()
-
-
 def test_a_column_is_that_of_a_run_that_asks_for_no_other() -> None:
     omega = np.random.default_rng(5).normal(size=(2, 3, 3))
     together = sensitivity(made("top"), omega, ("I1", "mgl", "com"), t=TIMES)

@@ -248,18 +248,11 @@ def test_a_step_longer_than_the_layer_ends_the_rates_as_the_damping_does() -> No
     assert turned.max() <= run.error
 
 
-def test_two_runs_that_part_by_a_whole_turn_do_not_look_equal() -> None:
+def test_two_runs_that_part_by_whole_turns_do_not_look_equal() -> None:
     """The midpoint rule turns by `2 atan(h omega/2)` a step: 8.7 rad less than 419.5 in the end."""
-    wheel = rigid.FreeBody(rigid.Body((1.0, 1.0, 2.0)))
-    run = rigid.simulate(wheel, [0.0, 0.0, 1.0], t=[419.5], method="midpoint", step=0.5)
-    assert run.status == Status.FLAGGED
-    assert 0.0 < run.lost_from < 60.0
     tumbling = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.5)))
     long = rigid.simulate(tumbling, [0.1, 0.2, 1.0], t=[3000.0], method="rk4", step=0.713)
     assert long.status == Status.FLAGGED
-
-
-def test_bodies_with_times_of_their_own_part_by_whole_turns_each_for_itself() -> None:
     wheel = rigid.FreeBody(rigid.Body((1.0, 1.0, 2.0)))
     times = [[0.0, 419.5], [0.0, 1.0], [0.0, 0.0], [200.0, 419.5]]
     options: dict[str, Any] = {"method": "midpoint", "step": 0.5}
@@ -267,6 +260,7 @@ def test_bodies_with_times_of_their_own_part_by_whole_turns_each_for_itself() ->
     lost = [Status.FLAGGED, Status.COARSE, Status.OK, Status.FLAGGED]
     assert run.status.tolist() == lost
     assert run.error[2] == 0.0
+    assert 0.0 < run.lost_from[0] < 60.0
     for body, t in enumerate(times):
         one = rigid.simulate(wheel, [0.0, 0.0, 1.0], t=t, **options)
         assert (run.error[body], run.lost_from[body]) == (one.error, one.lost_from)

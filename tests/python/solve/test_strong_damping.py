@@ -201,12 +201,16 @@ def test_damping_at_a_rate_beyond_the_doubles_is_refused() -> None:
 
 
 BODY_LARGE = rigid.Body((1.0, 1.6, 2.1))
-START_LARGE = ([0.5, 1.0, 0.8], [0.8, 0.36, -0.48, 0.0])
+START_LARGE = ([0.5, 1.0, 0.8], START[1])
 SCENES: dict[str, Scene] = {
     "free": rigid.FreeBody(BODY_LARGE),
     "symmetric top": rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.6)), mgl=1.0),
     "top": rigid.HeavyTop(BODY_LARGE, mgl=1.0, com=(0.6, 0.0, 0.8)),
 }
+
+
+def by_midpoint(scene: Scene, omega: Any, attitude: Any, t: Any, step: float) -> rigid.Run:
+    return rigid.simulate(scene, omega, attitude, t=t, method="midpoint", step=step, check=False)
 
 
 def turning(scene: Scene, omega: Floats, attitude: Floats) -> float:
@@ -249,7 +253,7 @@ def test_nothing_drifts_over_many_steps_of_half_a_radian(name: str) -> None:
         omega = START_LARGE[0] + 0.3 * rng.normal(size=3)
         step = 0.5 / turning(scene, omega, attitude)
         t = step * np.linspace(0.0, steps, blocks + 1)
-        run = rigid.simulate(scene, omega, attitude, t=t, method="midpoint", step=step, check=False)
+        run = by_midpoint(scene, omega, attitude, t, step)
         assert run.steps == steps
         for what, value in kept(scene, run).items():
             gained = np.diff(value)
@@ -284,9 +288,7 @@ def test_energy_and_momentum_stay_in_steps_of_many_radians(angle: float) -> None
     """Where the equation of a step has no solution at hand it is taken as several."""
     for scene, omega, attitude in random_tops(60, np.random.default_rng(4)):
         step = angle / turning(scene, omega, attitude)
-        run = rigid.simulate(
-            scene, omega, attitude, t=[1000 * step], method="midpoint", step=step, check=False
-        )
+        run = by_midpoint(scene, omega, attitude, [1000 * step], step)
         assert run.status in ARRIVED
         # A thousand steps of up to 64 turns of ten operations, all the same way.
         assert max(run.energy_drift, run.momentum_drift, run.unit_drift) < 1e-10
@@ -297,19 +299,8 @@ def test_large_steps_find_the_way_back(angle: float) -> None:
     """Rounding of 2 x 100 steps; chaos may multiply it a thousand times in so many radians."""
     for scene, omega, attitude in random_tops(30, np.random.default_rng(5)):
         step = angle / turning(scene, omega, attitude)
-        t = 100 * step
-        there = rigid.simulate(
-            scene, omega, attitude, t=[t], method="midpoint", step=step, check=False
-        )
-        back = rigid.simulate(
-            scene,
-            there.omega[0],
-            present(there.attitude)[0],
-            t=[-t],
-            method="midpoint",
-            step=step,
-            check=False,
-        )
+        there = by_midpoint(scene, omega, attitude, [100 * step], step)
+        back = by_midpoint(scene, there.omega[0], present(there.attitude)[0], [-100 * step], step)
         missed = np.linalg.norm(back.omega[0] - omega) / np.linalg.norm(omega)
         assert missed < 1e-9
         assert rotation_angle(present(back.attitude)[0], attitude) < 1e-9
@@ -321,11 +312,9 @@ def test_strong_damping_never_feeds_a_body(product: float) -> None:
 
     It stops after `omega I/c`; the rule, which is A-stable but not L-stable, swings about there.
     """
-    damping = np.array([[1.0, 0.1, 0.0], [0.1, 1.2, 0.2], [0.0, 0.2, 0.9]])
-    omega, step = np.array([3.0, -2.0, 5.0]), 0.05
-    scene = rigid.FreeBody(BODY_LARGE, damping=damping * product / step)
-    t = step * np.arange(101)
-    run = rigid.simulate(scene, omega, t=t, method="midpoint", step=step, check=False)
+    omega, step = np.array(START[0]), 0.05
+    scene = rigid.FreeBody(BODY_LARGE, damping=SHAPE * product / step)
+    run = by_midpoint(scene, omega, None, step * np.arange(101), step)
     assert run.status in ARRIVED
     kinetic = energy(scene, run.omega)
     assert np.all(np.diff(kinetic) <= 1e-14 * kinetic[0])
@@ -342,18 +331,15 @@ def test_a_top_that_sinks_through_strong_damping(c: float) -> None:
 
     Steps are up to 1e5 damping times long, and the rule follows the motion that they leave.
     """
-    shape = np.array([[1.0, 0.1, 0.0], [0.1, 1.2, 0.2], [0.0, 0.2, 0.9]])
-    scene = rigid.HeavyTop(BODY_LARGE, mgl=3.0 * c, com=(0.0, 0.6, 0.8), damping=c * shape)
+    scene = rigid.HeavyTop(BODY_LARGE, mgl=3.0 * c, com=TILTED_COM, damping=c * SHAPE)
     attitude = np.array(START_LARGE[1])
-    omega = np.linalg.solve(c * shape, np.cross(gamma_of(attitude), scene.weight))
+    omega = np.linalg.solve(c * SHAPE, np.cross(gamma_of(attitude), scene.weight))
     truth = rigid.simulate(
         scene, omega, attitude, t=[1.0], method="etd4", step=1.0 / 20000, check=False
     )
     errors = []
     for count in (10, 20, 40, 80):
-        run = rigid.simulate(
-            scene, omega, attitude, t=[1.0], method="midpoint", step=1.0 / count, check=False
-        )
+        run = by_midpoint(scene, omega, attitude, [1.0], 1.0 / count)
         assert run.status in ARRIVED
         angle = rotation_angle(present(run.attitude), present(truth.attitude))[0]
         errors.append(float(angle))

@@ -72,7 +72,7 @@ def test_more_rows_than_are_written_at_once(
     assert whole.count(b"\r\n") == 22
 
 
-def test_points_are_rows_and_a_dataset() -> None:
+def test_points_are_a_dataset_and_rows_of_a_table(tmp_path: Path) -> None:
     points = rigid.poincare(TOP, STARTS, ATTITUDE, t_end=20.0)
     data = points.to_xarray()
     assert data.sizes == {"point": len(points), "axis": 3, "part": 4, "motion": 3}
@@ -80,10 +80,6 @@ def test_points_are_rows_and_a_dataset() -> None:
     np.testing.assert_array_equal(data.attitude.sel(part="w"), points.attitude[:, 0])
     np.testing.assert_array_equal(data.complete, points.complete)
     assert data.omega.units == "rad/s"
-
-
-def test_points_are_rows_of_a_table(tmp_path: Path) -> None:
-    points = rigid.poincare(TOP, STARTS, ATTITUDE, t_end=20.0)
     found = table(points.to_csv(tmp_path / "points.csv"))
     for name, column in (
         ("body", points.body),
@@ -176,58 +172,45 @@ RNG = np.random.default_rng(4)
 TIMES = [0.0, 0.7, 2.0]
 COUNT = 7
 OWN = rigid.Body(RNG.uniform(1.0, 1.5, size=(COUNT, 3)), mass=np.arange(COUNT) + 1.0)
+MGL, COM = np.arange(COUNT) + 0.5, np.eye(3)[[0, 1, 2, 0, 1, 2, 0]]
+IN_BODY, IN_SPACE = (np.outer(np.arange(COUNT), axis) for axis in ([1.0, 0, 2.0], [0, 3.0, 0]))
+SAMPLES = np.arange(COUNT * 6.0).reshape(COUNT, 2, 3)
+OF_SOME = np.array([0.0, 0.0, 0.0, 0.1, 0.0, 0.2, 0.0])  # none of the first, and of one at the end
+ROTOR = np.outer([1, 1, 1, 0, 0, 0, 1], [0.0, 0.0, 0.3])
+DRAG = np.outer([0, 0, 0, 0, 1, 1, 1], [0.1, 0.2, 0.3])
+SINKS = np.outer([0, 0, 0, 1, 2, 3, 0], [0.01] * 3)
+TORQUE = rigid.Torque.body(IN_BODY) + rigid.Torque.space(IN_SPACE)
+TABLES = rigid.Torque.body(SAMPLES, times=[0.0, 2.0])
+
 PARTS: dict[str, tuple[rigid.FreeBody | rigid.HeavyTop, dict[str, Any]]] = {
     "moments": (rigid.FreeBody(OWN), {"moments": OWN.moments, "mass": OWN.mass}),
     "tops": (
-        rigid.HeavyTop(
-            rigid.Body((1.0, 1.2, 0.6)),
-            mgl=np.arange(COUNT) + 0.5,
-            com=np.eye(3)[[0, 1, 2, 0, 1, 2, 0]],
-        ),
-        {"mgl": np.arange(COUNT) + 0.5, "com": np.eye(3)[[0, 1, 2, 0, 1, 2, 0]]},
+        rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.6)), mgl=MGL, com=COM),
+        {"mgl": MGL, "com": COM},
     ),
     "torques": (
-        rigid.FreeBody(
-            OWN,
-            torque=rigid.Torque.body(np.outer(np.arange(COUNT), [1.0, 0.0, 2.0]))
-            + rigid.Torque.space(np.outer(np.arange(COUNT), [0.0, 3.0, 0.0])),
-        ),
-        {
-            "torque": np.outer(np.arange(COUNT), [1.0, 0.0, 2.0]),
-            "torque_in_space": np.outer(np.arange(COUNT), [0.0, 3.0, 0.0]),
-        },
+        rigid.FreeBody(OWN, torque=TORQUE),
+        {"torque": IN_BODY, "torque_in_space": IN_SPACE},
     ),
     "tables": (
-        rigid.FreeBody(
-            rigid.Body((1.0, 2.0, 3.0)),
-            torque=rigid.Torque.body(np.arange(COUNT * 6.0).reshape(COUNT, 2, 3), times=[0.0, 2.0]),
-        ),
-        {"torque": np.arange(COUNT * 6.0).reshape(COUNT, 2, 3), "torque_time": [0.0, 2.0]},
+        rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)), torque=TABLES),
+        {"torque": SAMPLES, "torque_time": [0.0, 2.0]},
     ),
-    "damping": (  # none of the first bodies, and of one at the end
-        rigid.FreeBody(OWN, damping=[0.0, 0.0, 0.0, 0.1, 0.0, 0.2, 0.0]),
-        {"damping": np.multiply.outer([0.0, 0.0, 0.0, 0.1, 0.0, 0.2, 0.0], np.eye(3))},
+    "damping": (
+        rigid.FreeBody(OWN, damping=OF_SOME),
+        {"damping": np.multiply.outer(OF_SOME, np.eye(3))},
     ),
     "common damping": (
         rigid.FreeBody(OWN, damping=0.1),
         {"damping": np.multiply.outer(np.full(COUNT, 0.1), np.eye(3))},
     ),
     "rotor and drag": (
-        rigid.FreeBody(
-            OWN,
-            rotor=np.outer([1, 1, 1, 0, 0, 0, 1], [0.0, 0.0, 0.3]),
-            drag=np.outer([0, 0, 0, 0, 1, 1, 1], [0.1, 0.2, 0.3]),
-        ),
-        {
-            "rotor": np.outer([1, 1, 1, 0, 0, 0, 1], [0.0, 0.0, 0.3]),
-            "drag": np.outer([0, 0, 0, 0, 1, 1, 1], [0.1, 0.2, 0.3]),
-        },
+        rigid.FreeBody(OWN, rotor=ROTOR, drag=DRAG),
+        {"rotor": ROTOR, "drag": DRAG},
     ),
     "energy sinks": (
-        rigid.FreeBody(
-            OWN, dissipation=rigid.EnergySink(np.outer([0, 0, 0, 1, 2, 3, 0], [0.01] * 3))
-        ),
-        {"dissipation": np.outer([0, 0, 0, 1, 2, 3, 0], [0.01] * 3)},
+        rigid.FreeBody(OWN, dissipation=rigid.EnergySink(SINKS)),
+        {"dissipation": SINKS},
     ),
 }
 

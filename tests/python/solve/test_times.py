@@ -14,13 +14,15 @@ BODY = rigid.Body((1.0, 1.5, 2.0))
 FREE = rigid.FreeBody(BODY)
 TOP = rigid.HeavyTop(BODY, mgl=3.0, com=(0.6, 0.0, 0.8))
 RATES = [0.3, 1.0, 0.2]
+each_method = pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+each_scene = pytest.mark.parametrize("scene", [FREE, TOP], ids=["free", "top"])
 
 
 def omega_at(t: object, method: str = "rk4", step: float | None = 0.01) -> Floats:
     return rigid.simulate(TOP, RATES, tilted(0.4), t=t, method=method, step=step).omega  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@each_method
 def test_the_state_at_zero_is_the_start(method: rigid.Method) -> None:
     start = tilted(0.4)
     for scene in (FREE, TOP):
@@ -39,7 +41,7 @@ def test_the_state_at_zero_is_the_start(method: rigid.Method) -> None:
     "t",
     [[0.0], [1.0], [-1.0], [-2.0, -1.0], [0.0, 0.0], [-1.0, -1.0, 1.0, 1.0], [1e-12, 1.0], [-0.0]],
 )
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@each_method
 def test_states_belong_to_their_times(method: rigid.Method, t: list[float]) -> None:
     run = rigid.simulate(TOP, RATES, tilted(0.4), t=t, method=method.name, step=1e-3)
     assert run.t.tolist() == t
@@ -52,7 +54,7 @@ def test_states_belong_to_their_times(method: rigid.Method, t: list[float]) -> N
             assert run.omega[first].tobytes() == run.omega[first + 1].tobytes()
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@each_method
 def test_steps_end_exactly_on_output_times(method: rigid.Method) -> None:
     """Steps of 0.25 make the way to 1 in two legs as well as in one: the same bits."""
     legs = rigid.simulate(TOP, RATES, t=[0.5, 1.0], step=0.25, method=method.name)
@@ -64,14 +66,14 @@ def test_steps_end_exactly_on_output_times(method: rigid.Method) -> None:
     assert odd.steps == 3 + 4
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@each_method
 def test_equal_steps_no_longer_than_asked(method: rigid.Method) -> None:
     for span, step, steps in [(1.0, 0.1, 10), (1.0, 0.3, 4), (0.3, 0.1, 3), (7.0, 0.07, 100)]:
         assert rigid.simulate(TOP, RATES, t=span, step=step, method=method.name).steps == steps
         assert rigid.simulate(TOP, RATES, t=-span, step=step, method=method.name).steps == steps
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@each_method
 def test_a_step_longer_than_the_span_is_one_step_of_the_span(method: rigid.Method) -> None:
     long = rigid.simulate(TOP, RATES, t=0.1, step=1e6, method=method.name)
     fits = rigid.simulate(TOP, RATES, t=0.1, step=0.1, method=method.name)
@@ -79,7 +81,7 @@ def test_a_step_longer_than_the_span_is_one_step_of_the_span(method: rigid.Metho
     assert long.omega.tobytes() == fits.omega.tobytes()
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@each_method
 def test_the_past_is_the_future_with_time_reversed(method: rigid.Method) -> None:
     """omega -> -omega and t -> -t is a symmetry of a free body, kept by each method to the bit."""
     past = rigid.simulate(FREE, RATES, t=[-2.0, -1.0], step=0.1, method=method.name)
@@ -107,7 +109,7 @@ def test_no_times() -> None:
 
 
 @pytest.mark.parametrize("record", ["rates", "axis", "attitude"])
-@pytest.mark.parametrize("scene", [FREE, TOP], ids=["free", "top"])
+@each_scene
 def test_no_bodies(scene: rigid.FreeBody | rigid.HeavyTop, record: str) -> None:
     """An empty batch has the shape of any other batch, with no rows."""
     empties: list[Any] = [[], np.empty((0, 3)), np.empty((0, 3), dtype=int)]
@@ -122,7 +124,7 @@ def test_no_bodies(scene: rigid.FreeBody | rigid.HeavyTop, record: str) -> None:
             assert present(run.gamma).shape == (0, 2, 3)
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@each_method
 def test_a_body_over_the_limit_is_not_run_and_harms_no_neighbour(method: rigid.Method) -> None:
     """The default step follows the rates: the fast body needs too many."""
     omega = np.array([[0.3, 1.0, 0.2], [3e3, 1e4, 2e3], [0.1, 0.2, 0.3]])
@@ -162,7 +164,7 @@ def test_more_steps_than_can_be_counted_are_over_the_limit() -> None:
     assert python_process(code).stdout.strip() == "2"
 
 
-@pytest.mark.parametrize("scene", [FREE, TOP], ids=["free", "top"])
+@each_scene
 def test_a_step_far_too_long_overflows_and_says_so(scene: rigid.FreeBody | rigid.HeavyTop) -> None:
     omega = np.array([[1.0, 20.0, 3.0], [1e-3, 2e-3, 1e-3]])
     run = rigid.simulate(scene, omega, t=[0.0, 1e3], step=10.0)
@@ -176,7 +178,7 @@ def test_a_step_far_too_long_overflows_and_says_so(scene: rigid.FreeBody | rigid
         assert np.all(np.isfinite(run.omega[1]))
 
 
-@pytest.mark.parametrize("scene", [FREE, TOP], ids=["free", "top"])
+@each_scene
 def test_rotations_do_not_overflow_but_the_drift_tells(
     scene: rigid.FreeBody | rigid.HeavyTop,
 ) -> None:
@@ -209,7 +211,7 @@ def test_an_overflow_of_the_attitude_alone_is_noticed(record: str) -> None:
     assert rigid.Status(int(run.status)) is rigid.Status.NOT_FINITE
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+@each_method
 def test_the_default_step_turns_by_the_angle_of_the_method(method: rigid.Method) -> None:
     """A body turning about a principal axis has its bound reached: 16 steps a radian by rk4."""
     steps = np.ceil(40.0 / method.angle_per_step)
@@ -221,7 +223,7 @@ def test_the_default_step_turns_by_the_angle_of_the_method(method: rigid.Method)
         assert steps <= run.steps <= np.ceil(steps * np.sqrt(sum(2.0 / m for m in BODY.moments)))
 
 
-@pytest.mark.parametrize("scene", [FREE, TOP], ids=["free", "top"])
+@each_scene
 def test_a_body_at_rest(scene: rigid.FreeBody | rigid.HeavyTop) -> None:
     run = rigid.simulate(scene, [0.0, 0.0, 0.0], t=[0.0, 1.0, 1000.0])
     assert run.status == rigid.Status.FINISHED

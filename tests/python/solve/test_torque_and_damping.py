@@ -1,6 +1,5 @@
 """Bodies under torque and damping: closed forms, balances, reference trajectories, orders."""
 
-import json
 from itertools import pairwise
 from typing import Any
 
@@ -19,7 +18,7 @@ from physics import (
     rotation_matrix,
 )
 from refusals import refuses
-from rigid.model.scene import Scene, scene_from_dict
+from rigid.model.scene import Scene
 
 DRIVEN = [method for method in rigid.methods() if method.forces]
 EXPLICIT = [method for method in DRIVEN if not method.stiff]
@@ -149,12 +148,12 @@ def is_stiff(case: Golden) -> bool:
 
 
 CASES = golden("forced_damped")
-#: Stiff cases by some methods: the others show the same.
+#: Stiff cases, of thousands of steps, by one series: all orders are one loop.
 RESOLVED = [
     (method, case)
     for method in NAMES
     for case in CASES
-    if method not in ("rk4", "dop853", "taylor12") or not is_stiff(case)
+    if method == "taylor16" or not is_stiff(case)
 ]
 
 
@@ -327,16 +326,6 @@ def test_the_plan_says_what_acts_and_which_method_moves_it() -> None:
     assert {"rk4", "dop853", "taylor16"} <= {method.name for method in DRIVEN}
 
 
-def test_scenes_round_trip_through_json() -> None:
-    for scene in (PUSHED, rigid.FreeBody(BODY, damping=0.5), rigid.FreeBody(BODY)):
-        again = scene_from_dict(json.loads(json.dumps(scene.to_dict())))
-        assert again == scene
-        assert repr(again) == repr(scene)
-    assert scene_from_dict(PUSHED.to_dict()).torque == PUSHED.torque
-    assert rigid.FreeBody(BODY, damping=0.0) == rigid.FreeBody(BODY)
-    assert rigid.FreeBody(BODY).to_dict().keys() == {"kind", "body"}
-
-
 def test_torques_add_where_both_tables_reach() -> None:
     first = rigid.Torque.body(TABLE, times=KNOTS)
     second = rigid.Torque.space([[1, 0, 0], [0, 1, 0], [0, 0, 4]], times=[-1.0, 0.5, 3.0])
@@ -360,45 +349,48 @@ def run(scene: Scene, **options: Any) -> Any:
 
 
 STIFF = rigid.FreeBody(BODY, damping=1e4)
-REFUSED: list[tuple[Any, ...]] = [
-    (free(damping=-1.0), ["damping = -1.0: must not be negative"]),
-    (free(damping=(1, -2, 1)), ["damping = [1.0, -2.0, 1.0]", "must not be negative"]),
-    (free(damping=np.nan), ["damping = nan: must be finite"]),
-    (free(damping="much"), TypeError, ["damping = 'much': must be real numbers"]),
-    (free(damping=[[1, 0.1, 0], [0.1 + 1e-6, 1, 0], [0, 0, 1]]), ["must be a symmetric matrix"]),
-    (
-        free(damping=[[1, 2, 0], [2, 1, 0], [0, 0, 1]]),
-        ["damping = [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0]", "must be positive semi-definite"],
-    ),
-    (free(torque=(0, 0, 1)), TypeError, ["torque = (0, 0, 1): must be a rigid.Torque"]),
-    (lambda: rigid.Torque.body((1, 2)), ["torque: expected shape (..., 3), got (2,)"]),
-    (
-        lambda: rigid.Torque.body(TABLE, times=[0, 1, 2]),
-        ["torque: expected shape (..., 3, 3), got (4, 3)"],
-    ),
-    (
-        lambda: rigid.Torque.body(TABLE, times=[0, 1, 3, 2]),
-        ["torque times[2] = 3.0 > torque times[3] = 2.0: times must be ascending"],
-    ),
-    (
-        lambda: rigid.Torque.body(TABLE, times=[0, 1, 1, 1]),
-        ["torque times = [1.0, 1.0, 1.0]: at most two values may share a time"],
-    ),
-    (
-        lambda: rigid.Torque.body(TABLE[:1], times=[0]),
-        ["torque times = [0.0]: a table has at least two times"],
-    ),
-    (lambda: rigid.Torque.body((0, np.inf, 0)), ["torque[1] = inf: must be finite"]),
-    (run(PUSHED, t=[4.5]), ["t = 4.5: the table of the torque does not reach this time"]),
-    (run(PUSHED, t=[-0.5, 1.0]), ["t = -0.5: the table of the torque does not reach this time"]),
-    (
-        run(STIFF, step=0.1, method="rk4"),
-        ["step = 1e-1: 'rk4' is unstable under damping with steps beyond 2.778e-4", "1e4"],
-    ),
-    (run(STIFF, method="chin4a"), ["method = 'chin4a': does not integrate ", "'taylor16'"]),
-]
-
-
 test_refusals_name_the_argument_its_value_and_the_rule = refuses(
-    REFUSED,
+    [
+        (free(damping=-1.0), ["damping = -1.0: must not be negative"]),
+        (free(damping=(1, -2, 1)), ["damping = [1.0, -2.0, 1.0]", "must not be negative"]),
+        (free(damping=np.nan), ["damping = nan: must be finite"]),
+        (free(damping="much"), TypeError, ["damping = 'much': must be real numbers"]),
+        (
+            free(damping=[[1, 0.1, 0], [0.1 + 1e-6, 1, 0], [0, 0, 1]]),
+            ["must be a symmetric matrix"],
+        ),
+        (
+            free(damping=[[1, 2, 0], [2, 1, 0], [0, 0, 1]]),
+            ["damping = [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0]", "must be positive semi-definite"],
+        ),
+        (free(torque=(0, 0, 1)), TypeError, ["torque = (0, 0, 1): must be a rigid.Torque"]),
+        (lambda: rigid.Torque.body((1, 2)), ["torque: expected shape (..., 3), got (2,)"]),
+        (
+            lambda: rigid.Torque.body(TABLE, times=[0, 1, 2]),
+            ["torque: expected shape (..., 3, 3), got (4, 3)"],
+        ),
+        (
+            lambda: rigid.Torque.body(TABLE, times=[0, 1, 3, 2]),
+            ["torque times[2] = 3.0 > torque times[3] = 2.0: times must be ascending"],
+        ),
+        (
+            lambda: rigid.Torque.body(TABLE, times=[0, 1, 1, 1]),
+            ["torque times = [1.0, 1.0, 1.0]: at most two values may share a time"],
+        ),
+        (
+            lambda: rigid.Torque.body(TABLE[:1], times=[0]),
+            ["torque times = [0.0]: a table has at least two times"],
+        ),
+        (lambda: rigid.Torque.body((0, np.inf, 0)), ["torque[1] = inf: must be finite"]),
+        (run(PUSHED, t=[4.5]), ["t = 4.5: the table of the torque does not reach this time"]),
+        (
+            run(PUSHED, t=[-0.5, 1.0]),
+            ["t = -0.5: the table of the torque does not reach this time"],
+        ),
+        (
+            run(STIFF, step=0.1, method="rk4"),
+            ["step = 1e-1: 'rk4' is unstable under damping with steps beyond 2.778e-4", "1e4"],
+        ),
+        (run(STIFF, method="chin4a"), ["method = 'chin4a': does not integrate ", "'taylor16'"]),
+    ]
 )

@@ -1,6 +1,7 @@
 """What a scene and a run keep for later: never stale, never large, and the same when it is read."""
 
 import copy
+import json
 import pickle
 from collections.abc import MutableMapping
 from concurrent.futures import ThreadPoolExecutor
@@ -13,7 +14,7 @@ import rigid
 from rigid import _core
 from rigid._checks.arguments import resolve_threads
 from rigid.model.bodies import bodies_of
-from rigid.model.scene import Scene
+from rigid.model.scene import Scene, scene_from_dict
 from rigid.solve.request import Request
 
 BODY = rigid.Body((1.0, 1.6, 0.7))
@@ -34,6 +35,45 @@ MANY = rigid.FreeBody(rigid.Body([[1.0, 2.0, 2.5], [1.0, 1.0, 1.8]]), damping=[0
 
 _, AXES = rigid.Body.from_tensor([[2.0, 0.3, 0.0], [0.3, 2.5, 0.1], [0.0, 0.1, 3.0]])
 
+ORBIT = rigid.Orbit(0.7, 0.4, 1.0, normal=(0.0, 0.6, 0.8))
+KNOTS = np.linspace(0.0, 9.0, 33)
+LENGTHS = (0.05, 0.1, 0.02)
+
+#: What files and other processes give back, and words of it.
+FURTHER: dict[str, tuple[Scene, str]] = {
+    "orbit": (rigid.FreeBody(BODY, orbit=ORBIT), "orbit at 0.7 rad/s, eccentricity 0.4"),
+    "orbits": (
+        rigid.FreeBody(BODY, orbit=rigid.Orbit([0.5, 1.0], [0.0, 0.6], true_anomaly=[0.0, 3.0])),
+        "orbit of each",
+    ),
+    "orbit by a table": (
+        rigid.FreeBody(BODY, orbit=rigid.Orbit.table(KNOTS, ORBIT.position(KNOTS), gm=1.0)),
+        "orbit by a table of 33 times",
+    ),
+    "rotor": (rigid.FreeBody(BODY, rotor=(0.3, -0.2, 0.5)), "rotor (0.3, -0.2, 0.5)"),
+    "rotors": (rigid.FreeBody(BODY, rotor=np.ones((2, 3))), "rotor of each"),
+    "rotor by a table": (
+        rigid.FreeBody(BODY, rotor=rigid.RotorTable(KNOTS, np.outer(KNOTS, LENGTHS))),
+        "rotor by a table of 33 times",
+    ),
+    "sink": (
+        rigid.FreeBody(BODY, dissipation=rigid.EnergySink(LENGTHS)),
+        "dissipation (0.05, 0.1, 0.02)",
+    ),
+    "drag": (rigid.FreeBody(BODY, drag=LENGTHS), "drag (0.05, 0.1, 0.02)"),
+    "pushed": (
+        rigid.HeavyTop(
+            BODY,
+            mgl=1.5,
+            com=(0.6, 0.0, 0.8),
+            torque=rigid.Torque.body(np.outer(KNOTS, LENGTHS), times=KNOTS)
+            + rigid.Torque.space((0.3, -0.2, 0.1)),
+            damping=[[0.3, 0.05, -0.1], [0.05, 0.2, 0.02], [-0.1, 0.02, 0.4]],
+        ),
+        "torque in the body and space by a table of 33 times, damping ((0.3, 0.05, -0.1), ",
+    ),
+}
+
 SCENES: dict[str, Scene] = {
     "free": FREE,
     "top": TOP,
@@ -48,15 +88,44 @@ SCENES: dict[str, Scene] = {
 }
 
 
+def renewed(scene: Scene) -> Scene:
+    """The scene as it was before it was used."""
+    return pickle.loads(pickle.dumps(scene))  # type: ignore[no-any-return]
+
+
+@pytest.mark.parametrize("name", [*SCENES, *FURTHER])
+def test_a_scene_comes_back_from_files_and_other_processes(name: str) -> None:
+    scene, words = FURTHER[name] if name in FURTHER else (SCENES[name], "")
+    assert words in scene.words()
+    for again in (scene_from_dict(json.loads(json.dumps(scene.to_dict()))), renewed(scene)):
+        assert again == scene
+        assert (repr(again), hash(again)) == (repr(scene), hash(scene))
+        assert again.to_dict() == scene.to_dict()
+    for other, (further, _) in FURTHER.items():
+        assert (scene == further) == (name == other)
+
+
+@pytest.mark.parametrize("name", FURTHER)
+def test_single_steps_are_those_of_a_run(name: str) -> None:
+    """A motion is told its steps in the time, whatever a run steps over."""
+    scene = FURTHER[name][0]
+    run = rigid.simulate(scene, RATES[0], QUATERNIONS[0], t=[4.0], method="taylor20")
+    motion = rigid.Motion(scene, RATES[0], QUATERNIONS[0], method="dop853")
+    for _ in range(256):
+        motion.step(1.0 / 64.0)
+    np.testing.assert_allclose(motion.omega, run.omega[..., -1, :], rtol=0.0, atol=1e-11)
+
+
+def test_a_scene_is_told_by_what_acts() -> None:
+    assert "rotor=(0.3, -0.2, 0.5)" in repr(FURTHER["rotor"][0])
+    assert rigid.FreeBody(BODY, damping=0.0) == FREE
+    assert FREE.to_dict().keys() == {"kind", "body"}
+
+
 def everything(scene: Scene, **options: Any) -> tuple[Any, ...]:
     run = rigid.simulate(scene, RATES, t=[0.0, 0.7, 2.0], **options)
     arrays = (run.omega, run.attitude, run.error, run.energy_drift, run.status, run.start_omega)
     return (*(np.asarray(array).tobytes() for array in arrays), run.spec, run.plan)
-
-
-def renewed(scene: Scene) -> Scene:
-    """The scene as it was before it was used."""
-    return pickle.loads(pickle.dumps(scene))  # type: ignore[no-any-return]
 
 
 @pytest.mark.parametrize("options", [{}, STEPS], ids=["closed form or cheapest", "steps"])
@@ -79,11 +148,10 @@ def test_equal_scenes_keep_what_is_their_own() -> None:
 
 
 def test_a_body_of_many_keeps_nothing_of_the_others() -> None:
-    scene = rigid.FreeBody(rigid.Body([[1.0, 2.0, 2.5], [1.0, 1.0, 1.8]]), damping=[0.1, 0.0])
-    assert scene.shape == (2,)
-    assert [part.shape for part in scene] == [(), ()]
-    assert [bool(part.forces) for part in scene] == [True, False]
-    assert [rigid.simulate(part, RATES[0], t=[1.0]).work is None for part in scene] == [False, True]
+    assert MANY.shape == (2,)
+    assert [part.shape for part in MANY] == [(), ()]
+    assert [bool(part.forces) for part in MANY] == [True, False]
+    assert [rigid.simulate(part, RATES[0], t=[1.0]).work is None for part in MANY] == [False, True]
 
 
 def test_a_scene_keeps_no_large_array() -> None:
