@@ -113,9 +113,7 @@ def main() -> int:
         rng = np.random.default_rng([chosen.seed, number])
         orbit, size = draw(rng)
         given = orbit.scene, orbit.omega, orbit.attitude, orbit.t
-        fast = quad_motion.motion(
-            *given, tolerance=quad_motion.FAST_TOLERANCE, number="long double"
-        )
+        fast = quad_motion.motion(*given, **quad_motion.FAST)
         assert fast is not None
         each: list[dict[str, Any]] = [{}, {"accuracy": decades(rng, -10.0, -4.0)}]
         for kind, options in enumerate(each):

@@ -145,6 +145,16 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "pull > 0.0 -> pull >= 0.0",
     ): "a number at its bound that nothing pulls waits for a step of the others",
     (
+        "solve/frequencies.py",
+        "least = 1e-15 * np.abs(frequency).max(initial=0.0)",
+        "0.0 -> 1.0",
+    ): "a line below one radian in all stands alone, and needs no second round",
+    (
+        "solve/frequencies.py",
+        "phase = float(np.abs(frequency * self.t[-1]).max(initial=0.0))",
+        "-1 -> +1",
+    ): "the times are around zero: the second is as far from it as the last, but for a step",
+    (
         "solve/run.py",
         "known = int(np.isfinite(states[0]).all(axis=-1).sum())",
         "np.isfinite(states[0]).all -> np.isfinite(states[0]).any",

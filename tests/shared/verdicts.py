@@ -1,6 +1,7 @@
 """Is what a run says of its error true? One of :data:`VERDICTS` for each random run."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -121,9 +122,9 @@ def unbalanced(case: Case, run: rigid.Run, row: int | None) -> float:
     return float(drift.max(initial=0.0)) - float(of_body(run.energy_drift))
 
 
-def _truth(case: Case, **changes: Floats | float) -> Motion | None:
+def _truth(case: Case, **changes: Any) -> Motion | None:
     given = {"omega": case.omega, "attitude": case.attitude, **changes}
-    return quad_motion.motion(case.scene, times=case.t, limit=LIMIT, **given)  # type: ignore[arg-type]
+    return quad_motion.motion(case.scene, times=case.t, limit=LIMIT, **given)
 
 
 def rounding(case: Case, truth: Motion, run: rigid.Run) -> float:
@@ -180,11 +181,15 @@ def judge(number: int, seed: int, kinds: Kinds = KINDS) -> Finding:
     status = int(run.status if row is None else run.status[row])
     if status not in (*JUDGED, rigid.Status.FLAGGED):
         return Finding(number, case, "status", method, status=status)
-    truth = _truth(case)
-    if truth is None or not np.isfinite(truth.high).all():
-        return Finding(number, case, "no truth", method)
-    errors = true_errors(case, run, row, truth)
-    true = float(np.max(errors))
+    true = np.inf
+    for kind in (quad_motion.FAST, {}):
+        if 2.0 * true <= max(asked, stated):
+            break  # clearly right: 128 bits would say the same
+        found = _truth(case, **kind)
+        if found is None or not np.isfinite(found.high).all():
+            return Finding(number, case, "no truth", method)
+        truth, errors = found, true_errors(case, run, row, found)
+        true = float(np.max(errors))
     lost_from = float(run.lost_from if row is None else run.lost_from[row])
     early = float(np.max(errors, where=np.abs(case.t) < np.abs(lost_from), initial=0.0))
     within = np.nan

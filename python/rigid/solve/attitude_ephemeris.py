@@ -62,7 +62,7 @@ def write_aem(
     unit = attitudes / np.linalg.norm(attitudes, axis=-1, keepdims=True)
     # A quaternion and its negative are one attitude; readers interpolate between neighbours.
     turned = np.vecdot(unit[1:], unit[:-1]) < 0.0
-    sign = np.where(np.cumsum(np.concatenate(([False], turned))) % 2 == 1, -1.0, 1.0)
+    sign = np.cumprod(np.concatenate(([1.0], np.where(turned, -1.0, 1.0))))
     lines = [
         "CCSDS_AEM_VERS = 2.0",
         f"CREATION_DATE = {_stamp(datetime.now(UTC).replace(tzinfo=None), 0.0)}",

@@ -154,7 +154,7 @@ class Events(Points):
             ) from None
         first, last = self.offsets[index : index + 2]
         rows = {
-            name: array[first:last] if name in self._of_points() else array[index : index + 1]
+            name: array[first:last] if name in self._of_points() else array[[index]]
             for name, array in self._columns.items()
         }
         rows["body"] = np.zeros(last - first, dtype=np.intp)

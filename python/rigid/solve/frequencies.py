@@ -361,9 +361,8 @@ class _Analysis:
                 else:
                     frequency[k] = self._near(rest, frequency[k])
                 amplitude = self.amplitudes(frequency)
-            if np.abs(frequency - before).max(initial=0.0) <= 1e-15 * np.abs(frequency).max(
-                initial=0.0
-            ):
+            least = 1e-15 * np.abs(frequency).max(initial=0.0)
+            if (np.abs(frequency - before) <= least).all():
                 break
         return frequency, amplitude
 

@@ -500,16 +500,12 @@ def shortest_and_most(
     return shortest if shortest < np.inf else None, int(most) if most < 2.0**63 else None
 
 
+@np.errstate(all="ignore")
 def closed_form_error(rates: Floats | None, span: float | Floats | None) -> float | None:
     """The largest error of closed forms (rad) for bounds of the rates, shape (n,), if known."""
     if rates is None or span is None:
         return None
-    if isinstance(span, float):
-        angle = float(rates.max(initial=0.0)) * span
-    else:
-        with np.errstate(all="ignore"):
-            angle = float((rates * span).max(initial=0.0))
-    worst = _core.ROUNDING * (1.0 + angle)
+    worst = _core.ROUNDING * (1.0 + float((rates * span).max(initial=0.0)))
     return worst if worst < np.inf else None
 
 

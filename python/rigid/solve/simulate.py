@@ -251,7 +251,7 @@ def simulate(
         found, counted = checked_events(events, until)
         watched = Watched(found, counted, _checked_count(count, found, until))
         check_event_method(method, scene)
-    parameters = None if tangent is False else check_parameters(tangent, scene)
+    parameters = check_parameters(tangent, scene)
     if parameters is not None:
         check_tangent(method, forces=scene.forces, by_parameters=bool(parameters))
     if frame is not None:

@@ -63,8 +63,6 @@ def check_parameters(tangent: bool | str | Sequence[str], scene: Scene) -> tuple
     ValueError
         For an unknown name, one given twice, weight of a scene without weight, or no name.
     """
-    if tangent is False:
-        return None
     if isinstance(tangent, bool | np.bool_):
         return () if tangent else None
     known = differentiable(scene)

@@ -1,11 +1,12 @@
-"""Closed forms: random scenes solved in 400 bits and more, and laws that need no truth."""
+"""Closed forms: random scenes solved in 400 bits and more, and the laws of starts and units."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 from scipy.special import ellipj, ellipk, elliprc, elliprd, elliprf, elliprj
 
 import rigid
@@ -17,40 +18,33 @@ from rigid.model.scene import Scene
 with np.load(GOLDEN / "closed_forms.npz") as _file:
     TABLE = dict(_file)
 FAMILIES: list[str] = TABLE["families"].tolist()
-FREE = [name for name in FAMILIES if name.startswith("free")]
-TOPS = [name for name in FAMILIES if name.startswith("top")]  # without plane swings
 
 
 @dataclass(frozen=True)
-class Case:
-    """A start, its state at time t to 75 bits, and what rounding the inputs costs."""
+class Cases:
+    """Starts, their states at times t to 75 bits, and what rounding the inputs costs; (n, ...)."""
 
     moments: Floats
     weight: Floats
     omega0: Floats
     attitude0: Floats
-    t: float
+    t: Floats
     omega: tuple[Floats, Floats]
     attitude: tuple[Floats, Floats]
-    angle: float
-    kappa_omega: float
-    kappa_att: float
+    angle: Floats
+    kappa_omega: Floats
+    kappa_att: Floats
 
     @property
     def scene(self) -> Scene:
         return scene(self.moments, self.weight)
 
     @property
-    def fastest(self) -> float:
-        return self.angle / abs(self.t)
+    def fastest(self) -> Floats:
+        return self.angle / np.abs(self.t)
 
-    @property
-    def tips_over(self) -> bool:
-        """Whether rounding the inputs decides the motion: upright at rest, long on a separatrix."""
-        return self.kappa_att * ROUNDOFF > 0.1
-
-    def bars(self) -> tuple[float, float]:
-        """Allowed error of the rates, relative to the fastest, and of the attitude (rad).
+    def bars(self) -> tuple[Floats, Floats]:
+        """Allowed errors of the rates, relative to the fastest, and of the attitude (rad).
 
         The phases are products of a rate and the time, each a few roundings: a fraction of the
         angle turned. The inputs are exact, but constants made of them are rounded: as if each input
@@ -58,243 +52,123 @@ class Case:
         """
         phase = 1e-15 * (1.0 + self.angle)
         omega, attitude = (4.0 * ROUNDOFF * k for k in (self.kappa_omega, self.kappa_att))
-        return max(phase, omega), max(phase, attitude)
+        return np.maximum(phase, omega), np.maximum(phase, attitude)
 
 
-def cases(family: str, stride: int = 1) -> Iterator[Case]:
-    for k in np.flatnonzero(TABLE["family"] == FAMILIES.index(family))[::stride]:
-        weight = np.zeros(3)
-        if axis := int(TABLE["axis"][k]):
-            weight[abs(axis) - 1] = np.copysign(TABLE["mgl"][k], axis)
-        yield Case(
-            moments=TABLE["moments"][k],
-            weight=weight,
-            omega0=TABLE["omega0"][k],
-            attitude0=TABLE["attitude0"][k],
-            t=float(TABLE["t"][k]),
-            omega=(TABLE["omega"][k], TABLE["omega_low"][k]),
-            attitude=(TABLE["attitude"][k], TABLE["attitude_low"][k]),
-            angle=float(TABLE["angle"][k]),
-            kappa_omega=float(TABLE["kappa_omega"][k]),
-            kappa_att=float(TABLE["kappa_att"][k]),
-        )
+def cases(family: str, *, handed_over: bool = False) -> Cases:
+    """The cases of a family; of ``handed_over`` those whose states in doubles are good starts.
+
+    In the middle of a flip the distance from the separatrix, the complementary parameter, is a
+    difference of numbers of order one.
+    """
+    rows = np.flatnonzero(TABLE["family"] == FAMILIES.index(family))
+    if handed_over:
+        bodies, axes = rigid.Body(TABLE["moments"][rows]), TABLE["axis"][rows]
+        rows = rows[(axes != 0) | (exact.free_body(bodies, TABLE["omega0"][rows]).mc > 1e-10)]
+    table = {name: column[rows] for name, column in TABLE.items() if name != "families"}
+    along = np.abs(table["axis"])[:, np.newaxis] == [1, 2, 3]
+    return Cases(
+        weight=along * (np.sign(table["axis"]) * table["mgl"])[:, np.newaxis],
+        omega=(table["omega"], table["omega_low"]),
+        attitude=(table["attitude"], table["attitude_low"]),
+        **{name: table[name] for name in ("moments", "omega0", "attitude0", "t")},
+        **{name: table[name].astype(float) for name in ("angle", "kappa_omega", "kappa_att")},
+    )
 
 
 def scene(moments: Floats, weight: Floats) -> Scene:
-    mgl = float(np.abs(weight).max())
-    body = rigid.Body(moments)
-    return rigid.HeavyTop(body, mgl=mgl, com=weight / mgl) if mgl else rigid.FreeBody(body)
+    body, mgl = rigid.Body(moments), np.abs(weight).max(axis=-1)
+    if not mgl.any():
+        return rigid.FreeBody(body)
+    com = np.where(mgl[:, np.newaxis] > 0.0, np.sign(weight), [0.0, 0.0, 1.0])
+    return rigid.HeavyTop(body, mgl=mgl, com=com)
 
 
-def moved(scene: Scene, omega: Floats, attitude: Floats, t: float) -> tuple[Floats, Floats]:
-    """Rates and attitude at time t, (..., 3) and (..., 4)."""
-    run = rigid.simulate(scene, omega, attitude, t=[t], method="exact")
+def moved(
+    scene: Scene | rigid.Body, omega: Floats, attitude: Floats, t: ArrayLike
+) -> tuple[Floats, Floats]:
+    """Rates and attitudes at time t, of all bodies or of each, (..., 3) and (..., 4)."""
+    times = np.asarray(t)[..., np.newaxis]
+    run = rigid.simulate(scene, omega, attitude, t=times, method="exact")
     rates, turned = run.omega[..., 0, :], present(run.attitude)[..., 0, :]
     assert np.isfinite(rates).all()
     assert np.isfinite(turned).all()
     return rates, turned
 
 
-def apart(attitude: Floats, high: Floats, low: Floats) -> float:
-    """Angle (rad) to an attitude known as a sum of two doubles.
+def rates_apart(omega: Floats, cases: Cases) -> Floats:
+    """Distances of rates from the true ones (rad/s), shape (n,)."""
+    distance: Floats = np.linalg.norm(omega - cases.omega[0] - cases.omega[1], axis=-1)
+    return distance
+
+
+def turned_apart(attitude: Floats, cases: Cases) -> Floats:
+    """Angles (rad) to the true attitudes, known as sums of two doubles, shape (n,).
 
     The difference is formed first: the product of an attitude and its own inverse has no vector
     part, so nothing cancels.
     """
-    off = np.copysign(1.0, attitude @ high) * attitude - high - low
+    high, low = cases.attitude
+    cosine = np.vecdot(attitude, high)
+    off = np.copysign(1.0, cosine)[:, np.newaxis] * attitude - high - low
     inverse = high * [1.0, -1.0, -1.0, -1.0]
-    return float(
-        2.0 * np.arctan2(np.linalg.norm(quaternion_product(inverse, off)[1:]), abs(attitude @ high))
-    )
+    sine = np.linalg.norm(quaternion_product(inverse, off)[:, 1:], axis=-1)
+    angle: Floats = 2.0 * np.arctan2(sine, np.abs(cosine))
+    return angle
 
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_rates_and_attitude_are_those_of_400_bits(family: str) -> None:
-    """99 % within what rounding explains, all within twenty times that."""
-    shares = []
-    for case in cases(family):
-        omega, attitude = moved(case.scene, case.omega0, case.attitude0, case.t)
-        bars = case.bars()
-        if case.tips_over:
-            continue
-        error = float(np.linalg.norm(omega - case.omega[0] - case.omega[1]))
-        relative = error / case.fastest if case.fastest else error
-        turned = apart(attitude, *case.attitude)
-        shares.append((relative / bars[0], turned / bars[1]))
-    worst = np.array(shares)
-    assert (np.quantile(worst, 0.99, axis=0) <= 1.0).all()
+    """99 % within what rounding explains, all within twenty times that.
+
+    But for those whose rounded inputs decide the motion: upright at rest, long on a separatrix.
+    """
+    found = cases(family)
+    omega, attitude = moved(found.scene, found.omega0, found.attitude0, found.t)
+    fastest = np.where(found.fastest > 0.0, found.fastest, 1.0)
+    shares = np.array([rates_apart(omega, found) / fastest, turned_apart(attitude, found)])
+    worst = (shares / found.bars())[:, found.kappa_att * ROUNDOFF <= 0.1]
+    assert (np.quantile(worst, 0.99, axis=1) <= 1.0).all()
     assert (worst <= 20.0).all()
 
 
-def legs(case: Case, first: float, second: float) -> tuple[tuple[Floats, Floats], Floats, Floats]:
-    """The state after two runs one after the other, and what an error of the first costs.
-
-    That is measured: the second run starts again from states off by the bar in each rate, relative
-    to the fastest one, and by a turn about each axis.
-    """
-    middle = moved(case.scene, case.omega0, case.attitude0, first)
-    off, turn = case.bars()
-    omega = middle[0] + off * case.fastest * np.vstack(
-        [np.zeros((1, 3)), np.eye(3), np.zeros((3, 3))]
-    )
-    turns = np.tile([1.0, 0.0, 0.0, 0.0], (7, 1))
-    turns[4:, 1:] = np.eye(3) * turn / 2.0
-    after = moved(case.scene, omega, quaternion_product(middle[1], turns), second)
-    rates = np.linalg.norm(after[0][1:] - after[0][0], axis=-1).sum() / (case.fastest or 1.0)
-    angle = rotation_angle(*np.broadcast_arrays(after[1][1:], after[1][0])).sum()
-    return (after[0][0], after[1][0]), rates, angle
-
-
-def handed_over(case: Case) -> bool:
-    """Whether a state in doubles can say on which side of the separatrix it is, and how far.
-
-    In the middle of a flip the distance, the complementary parameter, is a difference of numbers of
-    order one.
-    """
-    if not isinstance(case.scene, rigid.FreeBody):
-        return True
-    return bool(rigid.exact.free_body(case.scene, case.omega0).mc > 1e-10)
-
-
-@pytest.mark.parametrize("family", FREE + TOPS)
+@pytest.mark.parametrize("family", [name for name in FAMILIES if name != "swing"])
 def test_a_state_is_a_start(family: str) -> None:
-    """The way in two halves is the whole way."""
-    for case in filter(handed_over, cases(family, 9)):
-        (omega, attitude), rates, angle = legs(case, case.t / 2.0, case.t / 2.0)
-        bars = case.bars()
-        error = float(np.linalg.norm(omega - case.omega[0] - case.omega[1]))
-        assert error <= 4.0 * (bars[0] + rates) * case.fastest
-        assert apart(attitude, *case.attitude) <= 4.0 * (bars[1] + angle)
+    """The way in two halves is the whole way.
 
-
-@pytest.mark.parametrize("family", FREE + TOPS)
-def test_the_way_back_is_the_way(family: str) -> None:
-    """Minus the time, from where it led."""
-    for case in filter(handed_over, cases(family, 9)):
-        (omega, attitude), rates, angle = legs(case, case.t, -case.t)
-        bars = case.bars()
-        assert np.linalg.norm(omega - case.omega0) <= 4.0 * (bars[0] + rates) * case.fastest
-        assert rotation_angle(attitude, case.attitude0) <= 4.0 * (bars[1] + angle)
+    What errors of the first half cost is measured: the second begins again from states off by the
+    bar in each rate, relative to the fastest one, and by a turn about each axis.
+    """
+    found = cases(family, handed_over=True)
+    half, (off, turn) = found.t / 2.0, found.bars()
+    middle = moved(found.scene, found.omega0, found.attitude0, half)
+    omega = np.tile(middle[0], (7, 1, 1))
+    omega[1:4] += np.eye(3)[:, np.newaxis] * (off * found.fastest)[:, np.newaxis]
+    turns = np.tile([1.0, 0.0, 0.0, 0.0], (7, len(half), 1))
+    turns[4:, :, 1:] = np.eye(3)[:, np.newaxis] * turn[:, np.newaxis] / 2.0
+    rates, turned = moved(found.scene, omega, quaternion_product(middle[1], turns), half)
+    lost = np.linalg.norm(rates[1:] - rates[0], axis=-1).sum(axis=0)
+    angles = rotation_angle(*np.broadcast_arrays(turned[1:], turned[0])).sum(axis=0)
+    assert (rates_apart(rates[0], found) <= 4.0 * (off * found.fastest + lost)).all()
+    assert (turned_apart(turned[0], found) <= 4.0 * (turn + angles)).all()
 
 
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("power", [-20, -1, 7])
 def test_units_of_time_and_mass_change_no_bit(family: str, power: int) -> None:
     """Powers of two are exact: rates times 2^k, times by 2^-k; moments and weight by 2^k."""
-    for case in cases(family, 23):
-        omega, attitude = moved(case.scene, case.omega0, case.attitude0, case.t)
-        faster = scene(case.moments, np.ldexp(case.weight, 2 * power))
-        rates = np.ldexp(case.omega0, power)
-        other = moved(faster, rates, case.attitude0, float(np.ldexp(case.t, -power)))
-        assert other[0].tobytes() == np.ldexp(omega, power).tobytes()
-        assert other[1].tobytes() == attitude.tobytes()
+    found = cases(family)
+    omega, attitude = moved(found.scene, found.omega0, found.attitude0, found.t)
+    faster = scene(found.moments, np.ldexp(found.weight, 2 * power))
+    rates = np.ldexp(found.omega0, power)
+    other = moved(faster, rates, found.attitude0, np.ldexp(found.t, -power))
+    assert other[0].tobytes() == np.ldexp(omega, power).tobytes()
+    assert other[1].tobytes() == attitude.tobytes()
 
-        heavier = scene(np.ldexp(case.moments, power), np.ldexp(case.weight, power))
-        other = moved(heavier, case.omega0, case.attitude0, case.t)
-        assert other[0].tobytes() == omega.tobytes()
-        assert other[1].tobytes() == attitude.tobytes()
-
-
-#: Turns of the body that map its axes to one another: component k of a vector in the new body is
-#: sign[k] times component order[k] in the old one.
-RENAMINGS = [
-    ((1, 2, 0), (1, 1, 1), (0.5, 0.5, 0.5, 0.5)),
-    ((2, 0, 1), (1, 1, 1), (0.5, -0.5, -0.5, -0.5)),
-    ((0, 1, 2), (1, -1, -1), (0.0, 1.0, 0.0, 0.0)),
-    ((1, 0, 2), (1, 1, -1), (0.0, np.sqrt(0.5), np.sqrt(0.5), 0.0)),
-]
-
-
-@pytest.mark.parametrize("family", FREE)
-@pytest.mark.parametrize(("order", "signs", "turn"), RENAMINGS)
-def test_the_names_of_the_axes_are_free(
-    family: str, order: tuple[int, ...], signs: tuple[int, ...], turn: tuple[float, ...]
-) -> None:
-    """The same body in other axes: the same state, to the rounding of the renamed attitude."""
-    renaming = np.array(turn)
-    for case in cases(family, 9):
-        indices, flips = list(order), np.array(signs)
-        renamed = scene(case.moments[indices], case.weight)
-        start = quaternion_product(case.attitude0, renaming)
-        omega, attitude = moved(renamed, flips * case.omega0[indices], start, case.t)
-        bars = case.bars()
-        off = omega - flips * (case.omega[0] + case.omega[1])[indices]
-        assert np.linalg.norm(off) <= 4.0 * bars[0] * case.fastest
-        assert (
-            rotation_angle(attitude, quaternion_product(case.attitude[0], renaming))
-            <= 4.0 * bars[1]
-        )
-
-
-@pytest.mark.parametrize("family", TOPS)
-def test_a_turn_of_space_about_the_vertical_turns_the_motion(family: str) -> None:
-    """Weight does not know north; starts on a pole, which have no azimuth, are among them."""
-    turn = np.array([0.6, 0.0, 0.0, 0.8])
-    for case in cases(family, 9):
-        start = quaternion_product(turn, case.attitude0)
-        omega, attitude = moved(case.scene, case.omega0, start, case.t)
-        # The turned start is rounded relative to the whole, the given one may be exact in a small
-        # tilt: what that costs is seen by turning back.
-        again = moved(
-            case.scene, case.omega0, quaternion_product(turn * [1, -1, -1, -1], start), case.t
-        )
-        bars = case.bars()
-        lost, off = (np.linalg.norm(rates - case.omega[0]) for rates in (again[0], omega))
-        assert off <= 4.0 * (bars[0] * case.fastest + lost)
-        strayed = rotation_angle(again[1], case.attitude[0])
-        angle = rotation_angle(attitude, quaternion_product(turn, case.attitude[0]))
-        assert angle <= 4.0 * (bars[1] + strayed)
-
-
-def test_nothing_jumps_at_the_separatrix() -> None:
-    """Neighbouring doubles on both sides of it move alike until they pass the saddle.
-
-    Moments 4, 5, 9 and rates with w1 = 3 w3 are on it. Differences grow at most as the rate of the
-    saddle, sqrt((I3 - I2) (I2 - I1)/(I1 I3)) = 1/3 per radian about axis 2.
-    """
-    body = rigid.FreeBody(rigid.Body((4.0, 5.0, 9.0)))
-    on = np.array([3.0, 0.5, 1.0])
-    omega = np.array([on * [1.0 + k * 2.0**-52, 1.0, 1.0] for k in range(-4, 5)])
-    start = np.tile([1.0, 0.0, 0.0, 0.0], (9, 1))
-    for t in (-2.0, -0.3, 0.1, 1.0, 3.0):
-        rates, attitude = moved(body, omega, start, t)
-        speed = np.linalg.norm(on)
-        allowed = 64.0 * ROUNDOFF * (1.0 + speed * abs(t)) * np.exp(speed * abs(t) / 3.0)
-        assert np.abs(rates - rates[4]).max() <= allowed * speed
-        assert rotation_angle(*np.broadcast_arrays(attitude, attitude[4])).max() <= allowed
-
-
-@pytest.mark.parametrize("axis", [0, 1, 2])
-@pytest.mark.parametrize("third", [0.25, 1.0, 1.75])
-def test_a_nearly_symmetric_body_moves_as_the_symmetric_one(axis: int, third: float) -> None:
-    """One ulp in a moment: two forms that share no line differ by an ulp of the angles turned."""
-    equal = np.ones(3)
-    equal[axis] = third
-    nearly = equal.copy()
-    nearly[(axis + 1) % 3] += 2.0**-52
-    omega = np.array([[0.7, -0.4, 1.1], [-1.3, 0.2, 0.5], [0.3, 0.9, -2.0]])
-    for t in (-20.0, 0.5, 30.0):
-        rates, attitude = moved(scene(equal, np.zeros(3)), omega, np.array([1.0, 0.0, 0.0, 0.0]), t)
-        other = moved(scene(nearly, np.zeros(3)), omega, np.array([1.0, 0.0, 0.0, 0.0]), t)
-        allowed = 2e-15 * (1.0 + np.linalg.norm(omega, axis=-1).max() * abs(t))
-        assert np.abs(rates - other[0]).max() <= allowed * np.abs(omega).max()
-        assert rotation_angle(attitude, other[1]).max() <= allowed
-
-
-def test_a_top_at_a_pole_moves_as_one_beside_it() -> None:
-    """Through upright and through hanging, on the pole and 1e-13 rad beside it."""
-    top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
-    omega = np.array([0.3, -0.8, 2.0])
-    for pole in ([1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]):
-        on = np.array(pole)
-        beside = quaternion_product(on, np.array([1.0, 3e-14, -4e-14, 0.0]))
-        for t in (-3.0, 0.2, 5.0):
-            rates, attitude = moved(top, omega, on, t)
-            other = moved(top, omega, beside, t)
-            # Growth at the rate of the saddle sqrt(mgl/I1) = 1, with spin less.
-            allowed = 4e-13 * np.exp(abs(t))
-            assert np.abs(rates - other[0]).max() <= allowed
-            assert rotation_angle(attitude, other[1]) <= allowed
+    heavier = scene(np.ldexp(found.moments, power), np.ldexp(found.weight, power))
+    other = moved(heavier, found.omega0, found.attitude0, found.t)
+    assert other[0].tobytes() == omega.tobytes()
+    assert other[1].tobytes() == attitude.tobytes()
 
 
 # Closed forms against Runge-Kutta steps, a small part of what tests/long does with a million

@@ -76,19 +76,13 @@ def test_a_quaternion_and_its_negative_are_the_same_attitude(
 
 def test_the_start_is_normalised() -> None:
     unit = rigid.simulate(TOP, RATES, START, t=[0.0, 1.0])
-    for length in (2.0, 1e-3, 12345.6, 1e100, 1e-100):
+    # The squares of the last lengths overflow or vanish.
+    for length in (2.0, 1e-3, 12345.6, 1e100, 1e-100, 1e200, 1e-200):
         run = rigid.simulate(TOP, RATES, length * START, t=[0.0, 1.0])
         assert np.linalg.norm(present(run.attitude)[0]) == pytest.approx(1.0, abs=4 * ROUNDOFF)
         assert run.omega == pytest.approx(unit.omega, abs=1e-14)
     two = rigid.simulate(TOP, RATES, [2, 0, 0, 0], t=0.0)
     assert present(two.attitude)[0].tolist() == [1.0, 0.0, 0.0, 0.0]
-
-
-@pytest.mark.parametrize("length", [1e200, 1e-200])
-def test_no_length_is_too_large_or_small_to_be_normalised(length: float) -> None:
-    """Its square overflows or vanishes, the quaternion does not."""
-    run = rigid.simulate(TOP, RATES, [length, 0.0, 0.0, 0.0], t=0.0)
-    assert present(run.attitude)[0].tolist() == [1.0, 0.0, 0.0, 0.0]
 
 
 def test_rotation_angle_of_the_tests_sees_small_angles() -> None:

@@ -83,7 +83,8 @@ def test_what_was_written_is_read(tmp_path: Path) -> None:
     assert found.entries["OBJECT_NAME"] == "BOX"
     # 17 digits give the bits back; normalised once more, a unit in the last place.
     assert angles_apart(found, RUN) < 4e-16
-    # Neighbours have one sign, as readers that interpolate need.
+    # Neighbours have one sign, as readers that interpolate need: that of the first.
+    assert found.attitude[0].tolist() == present(RUN.attitude)[0].tolist()
     assert np.all(np.vecdot(found.attitude[1:], found.attitude[:-1]) > 0.0)
 
 

@@ -93,7 +93,7 @@ FURTHER["all"] = {name: force for one in FURTHER.values() for name, force in one
 @pytest.mark.parametrize("acting", FURTHER.values(), ids=FURTHER)
 def test_a_function_acts_beside_each_force(acting: Any, steps: Any) -> None:
     # The twin is damped by its matrix, and a Taylor series integrates the twin.
-    coefficients, times = (0.02, 0.03, 0.05), [-2.0, 5.0, 20.0]
+    coefficients, times = (0.02, 0.03, 0.05), [-1.0, 3.0, 8.0]
     torque = rigid.Torque.call(damping, coefficients, fastest=3.0)
     called = rigid.FreeBody(BODY, torque=torque, **acting)
     twin = rigid.FreeBody(BODY, damping=coefficients, **acting)
@@ -181,16 +181,8 @@ def test_a_function_of_cffi() -> None:
     c_type = "void(double, double *, double *, double *, double *)"
 
     called = cffi.FFI().callback(c_type)(plain_damping)
-    runs = [
-        states(
-            top(torque=rigid.Torque.call(one, (0.1, 0.2, 0.3))),
-            OMEGA,
-            t=[2.0],
-            method="rk4",
-            step=0.1,
-        )
-        for one in (called, damping)
-    ]
+    scenes = [top(torque=rigid.Torque.call(one, (0.1, 0.2, 0.3))) for one in (called, damping)]
+    runs = [states(scene, OMEGA, t=[2.0], method="rk4", step=0.1) for scene in scenes]
     assert runs[0].omega.tobytes() == runs[1].omega.tobytes()
 
 
@@ -298,21 +290,12 @@ def test_a_sliding_torque_reaches_the_limit_and_names_a_dead_zone() -> None:
     assert abs(settled.omega[1, 2]) < 1e-3
 
 
+STEPS: dict[str, Any] = {"method": "rk4", "step": 1e-6, "check": 0.0}
+MAP: dict[str, Any] = {"axes": {"spin": [1.0]}, "samples": 1, "t_end": 1e3, "rng": 1}
+
 CALLS: dict[str, Callable[[rigid.FreeBody], object]] = {
-    "a run": lambda scene: rigid.simulate(
-        scene, OMEGA, t=[1.0], method="rk4", step=1e-6, check=False
-    ),
-    "a map": lambda scene: rigid.stability_map(
-        scene,
-        axes={"spin": [1.0]},
-        samples=1,
-        t_end=1e3,
-        rng=1,
-        stable=rigid.no_flip(axis=1),
-        method="rk4",
-        step=1e-6,
-        check=0.0,
-    ),
+    "a run": lambda scene: rigid.simulate(scene, OMEGA, t=[1.0], **STEPS),
+    "a map": lambda scene: rigid.stability_map(scene, stable=rigid.no_flip(1), **MAP, **STEPS),
 }
 
 
@@ -339,8 +322,9 @@ TURNED = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 UNDER = rigid.Torque.call(damping, [0.1] * 3)
 
 
-def asked(**options: Any) -> Callable[[], Any]:
-    return lambda: rigid.simulate(top(torque=UNDER), OMEGA, **{"t": [0.0, 0.5, 1.0], **options})
+def asked(*, drag: Any = None, **options: Any) -> Callable[[], Any]:
+    scene = top(torque=UNDER, drag=drag)
+    return lambda: rigid.simulate(scene, OMEGA, **{"t": [0.0, 0.5, 1.0], **options})
 
 
 def grown(method: str | None) -> Callable[[], object]:
@@ -370,13 +354,7 @@ test_what_a_function_does_not_go_with_is_refused = refuses(
         ),
         (asked(step=0.1, tangent=True), "the derivative of a function is not known"),
         (
-            lambda: rigid.simulate(
-                rigid.FreeBody(BODY, torque=UNDER, drag=0.1),
-                OMEGA,
-                t=[1.0],
-                method="midpoint",
-                step=0.1,
-            ),
+            asked(drag=0.1, method="midpoint", step=0.1),
             "'midpoint': does not integrate drag; use one of 'rk4', 'dop853'",
         ),
         (
@@ -503,8 +481,7 @@ def test_events_are_those_of_the_twin_within_their_stated_errors(called: Any, tw
 
 @beside_its_twin
 def test_a_section_has_the_points_of_its_twin(called: Any, twin: Any) -> None:
-    known = rigid.poincare(twin, OMEGA, TILTED, t_end=30.0)
-    points = rigid.poincare(called, OMEGA, TILTED, t_end=30.0)
+    known, points = (rigid.poincare(one, OMEGA, TILTED, t_end=30.0) for one in (twin, called))
     assert len(points.t) == len(known.t) > 5
     assert bool(points.complete)
     assert np.all(np.abs(points.t - known.t) <= points.error + known.error)
@@ -530,6 +507,8 @@ def test_a_run_without_a_method_chooses_steps_for_the_accuracy() -> None:
         assert run.status == rigid.Status.OK
     plan = rigid.plan(called, "attitude", omega=OMEGA, t_end=6.0, accuracy=1e-8)
     assert "dop853 alone chooses its steps under the torque of a function" in plan.why
+    damped = rigid.FreeBody(BODY, torque=UNDER, damping=100.0)
+    assert rigid.plan(damped, step=0.1).method == "rk4"
 
 
 def test_an_accuracy_is_reached_by_smaller_tolerances() -> None:
@@ -630,6 +609,10 @@ def test_a_run_looks_at_the_torque_at_every_output_time() -> None:
     assert abs(run.omega[-1, 2] - 0.5) <= float(run.error) * 0.5 < 1e-6
 
 
+def map_from_rest(scene: Callable[[Any], rigid.FreeBody], **asked: Any) -> rigid.StabilityMap:
+    return rigid.stability_map(scene, start=rigid.Start(omega=(0.0, 0.0, 0.0)), samples=1, **asked)
+
+
 def test_events_and_criteria_see_the_pulse() -> None:
     scene = pulsed(35.0, 59.0, 0.5)
     run = rigid.simulate(scene, np.zeros(3), t=[0.0, T_END], until=rigid.crosses("omega3", 3.0))
@@ -639,12 +622,8 @@ def test_events_and_criteria_see_the_pulse() -> None:
     assert abs(event.t[0] - 47.0) <= event.error[0] + 1e-12
     assert np.isinf(event.lost_from)
     still = rigid.judged(lambda states: np.abs(states.omega[:, -1, 2]) < 1.0, t=[T_END])
-    result = rigid.stability_map(
-        lambda size: pulsed(35.0, 59.0, size),
-        axes={"size": [0.05, 0.5]},
-        start=rigid.Start(omega=(0.0, 0.0, 0.0)),
-        stable=still,
-        samples=1,
+    result = map_from_rest(
+        lambda size: pulsed(35.0, 59.0, size), axes={"size": [0.05, 0.5]}, stable=still
     )
     # The rates at the end are 0.6 and 6 rad/s.
     assert result.stable.tolist() == [1, 0]
@@ -656,14 +635,8 @@ def test_maps_by_equal_steps_see_the_pulse() -> None:
         data = np.stack(np.broadcast_arrays(71.0, 72.0, size), axis=-1)
         return rigid.FreeBody(BODY, torque=rigid.Torque.call(pulse, data, fastest=0.02))
 
-    result = rigid.stability_map(
-        scene,
-        axes={"size": [0.002, 0.02]},
-        start=rigid.Start(omega=(0.0, 0.0, 0.0)),
-        stable=rigid.near_start(0.1),
-        t_end=T_END,
-        samples=1,
-    )
+    near = rigid.near_start(0.1)
+    result = map_from_rest(scene, axes={"size": [0.002, 0.02]}, stable=near, t_end=T_END)
     # At the end the bodies have turned by size / 2 times 28.5 s: 0.03 and 0.3 rad.
     assert result.stable.tolist() == [1, 0]
     assert result.unstable.tolist() == [0, 1]
@@ -671,12 +644,8 @@ def test_maps_by_equal_steps_see_the_pulse() -> None:
 
 def test_a_smooth_torque_from_rest_costs_a_bounded_number_of_steps() -> None:
     # It sets in at 1e-323 N m; a share of the rates there would ask for steps without end.
-    run = rigid.simulate(
-        rigid.FreeBody(BODY, torque=rigid.Torque.call(smooth)),
-        np.zeros(3),
-        t=[0.0, T_END],
-        tolerance=1e-9,
-    )
+    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(smooth))
+    run = rigid.simulate(scene, np.zeros(3), t=[0.0, T_END], tolerance=1e-9)
     gained = 0.25 * 1.5 * math.sqrt(math.pi)
     assert abs(run.omega[-1, 2] - gained) <= float(run.error) * gained < 1e-6
     # The 64 of every run, five for each of 39 rad, and the onset.
@@ -835,18 +804,12 @@ def test_a_map_under_a_function_of_python_is_that_of_its_twin(way: str) -> None:
     def by_damping(gain: Any) -> rigid.FreeBody:
         return rigid.FreeBody(BODY, damping=gain[:, np.newaxis] * np.ones(3))
 
-    maps = [
-        rigid.stability_map(
-            scene,
-            axes={"gain": [0.05, 0.1], "spin": [0.5, 1.5]},
-            start=rigid.Start(spin=1.0, axis=3, noise=rigid.normal(0.1)),
-            stable=~rigid.spin_above(0.8),
-            t_end=15.0,
-            samples=4,
-            rng=3,
-            progress=False,
-        )
-        for scene in (by_function, by_damping)
-    ]
+    options: dict[str, Any] = {
+        "axes": {"gain": [0.05, 0.1], "spin": [0.5, 1.5]},
+        "start": rigid.Start(spin=1.0, axis=3, noise=rigid.normal(0.1)),
+        "stable": ~rigid.spin_above(0.8),
+        **{"t_end": 15.0, "samples": 4, "rng": 3, "progress": False},
+    }
+    maps = [rigid.stability_map(scene, **options) for scene in (by_function, by_damping)]
     assert np.array_equal(maps[0].stable, maps[1].stable)
     assert 0 < maps[0].stable.sum() < maps[0].stable.size * 4

@@ -20,9 +20,9 @@ TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
 
 def test_random_scenes() -> None:
     """True errors are at most the estimated ones, which are seldom much larger."""
-    ratios, missed = survey(400, seed=2026)
+    ratios, missed = survey(200, seed=2026)
     assert not missed
-    assert len(ratios) > 300
+    assert len(ratios) > 150
     assert np.mean(ratios <= 1.0) >= 0.99
     assert 0.05 <= np.median(ratios) <= 1.0
 
@@ -36,19 +36,13 @@ def test_every_method_gives_the_accuracy_or_says_that_it_does_not(case: Golden) 
     known = case.kappa_att < 1e6
     last = int(np.flatnonzero(known)[min(2, known.sum() - 1)])
     fastest = float(np.linalg.norm(case.omega, axis=-1).max())
+    start = case.scene, case.omega0, case.attitude0
+    options: dict[str, Any] = {"t": [case.t[last]], "max_steps": 5_000}
     met = 0
     for method in EVERY_METHOD:
         for accuracy in (1e-6, 1e-9, 1e-12):
             try:
-                run = rigid.simulate(
-                    case.scene,
-                    case.omega0,
-                    case.attitude0,
-                    t=[case.t[last]],
-                    method=method.name,
-                    accuracy=accuracy,
-                    max_steps=20_000,
-                )
+                run = rigid.simulate(*start, accuracy=accuracy, method=method.name, **options)
             except ValueError:
                 continue  # beyond float64, or not for this body
             if run.status != rigid.Status.FINISHED or run.flagged:
@@ -90,11 +84,11 @@ def test_a_run_shows_itself_in_a_line() -> None:
     ok = f"error {rough.error:.1e}; ok (error below 0.001))"
     assert repr(rough) == f"Run(one body at 2 times; rk4; {ok}"
     # The error of another body says nothing about a body that is ok.
-    pair = rigid.simulate(
-        TOP, [[0.0, 0.0, 0.1], [0.2, 0.1, 40.0]], t=[1.0], method="rk4", step=0.02
-    )
+    rates = [[0.0, 0.0, 0.1], [0.2, 0.1, 40.0]]
+    pair = rigid.simulate(TOP, rates, t=[1.0], method="rk4", step=0.02)
     fine, coarse = pair.error
     assert fine < 1e-6 < 1e-3 < coarse
+    assert pair.status.tolist() == [0, 7]
     assert repr(pair).endswith(f"error {coarse:.1e}; 1 ok, 1 coarse)")
     asked = rigid.simulate(TOP, [0.2, 0.1, 3.0], t=[1.0, 2.0], method="rk4", accuracy=1e-3)
     assert repr(asked) == f"Run(one body at 2 times; rk4; error {asked.error:.1e}; ok)"
@@ -110,14 +104,13 @@ def test_a_run_shows_itself_in_a_line() -> None:
 def test_a_top_that_turns_so_often_that_rounding_exceeds_1e_8_is_integrated_all_the_same() -> None:
     omega = [[0.2, 0.1, 3e6], [0.2, 0.1, 3.0], [1e200, 0.0, 0.0]]
     run = rigid.simulate(TOP, omega, t=[10.0], max_steps=1000)
-    assert run.status.tolist() == [
-        rigid.Status.STEP_LIMIT,
-        rigid.Status.OK,
-        rigid.Status.STEP_LIMIT,
-    ]
+    limit, ok = rigid.Status.STEP_LIMIT, rigid.Status.OK
+    assert run.status.tolist() == [limit, ok, limit]
     assert run.error[1] <= 1e-7
     with pytest.raises(ValueError, match="accuracy = 1e-08: must be at least"):
         rigid.simulate(TOP, omega[0], t=[10.0], accuracy=1e-8)
+    with pytest.raises(ValueError, match=r"1\.19209e-07: must be at least 1\.2e-07 in float32"):
+        rigid.simulate(TOP, omega[1], t=[10.0], accuracy=2.0**-23, dtype=np.float32)
 
 
 @pytest.mark.parametrize(
@@ -161,9 +154,7 @@ def test_nothing_to_check() -> None:
 @pytest.mark.parametrize("steps", [1, 2, 3, 5])
 def test_the_error_of_few_steps_that_falls_unevenly_is_not_hidden(steps: int) -> None:
     """One step of a needle errs by 0.0064 and two by 0.0066: they differ by little."""
-    needle = rigid.FreeBody(
-        rigid.Body((0.07053171142101301, 6.338778491626895e-06, 0.07053460861857404))
-    )
+    needle = rigid.Body((0.07053171142101301, 6.338778491626895e-06, 0.07053460861857404))
     omega, t = [-7.545957124771188e-05, -0.00011260872047220763, 0.9999505132800264], [0.535]
     exact = rigid.simulate(needle, omega, t=t)
     for method in ("splitting", "rk4", "midpoint", "splitting4"):
@@ -220,15 +211,16 @@ def test_chaotic_tops_seldom_err_by_more_than_is_stated() -> None:
 def test_the_plan_of_a_run_has_the_step_that_was_made(
     method: str | None, accuracy: float | None
 ) -> None:
-    run: Any = rigid.simulate(
-        TOP_ASKED, [0.5, 0.4, 2.0], t=[10.0], accuracy=accuracy, method=method
-    )
+    start: tuple[Any, ...] = (TOP_ASKED, [0.5, 0.4, 2.0])
+    run: Any = rigid.simulate(*start, t=[10.0], accuracy=accuracy, method=method)
     assert run.plan.step == 10.0 / run.steps
     assert (run.plan.steps, run.plan.error) == (run.steps, run.error)
     # The quotient is rounded: a step that is shorter by it would make one step more.
     step = run.plan.step * (1.0 + 1e-15)
-    again = rigid.simulate(TOP_ASKED, [0.5, 0.4, 2.0], t=[10.0], method=run.plan.method, step=step)
+    again = rigid.simulate(*start, t=[10.0], method=run.plan.method, step=step)
     assert again.omega.tobytes() == run.omega.tobytes()
+    # A step that was asked for is told as it is, although a whole number of steps are shorter.
+    assert rigid.simulate(*start, t=[10.0], method="rk4", step=0.03).plan.step == 0.03
 
 
 def test_the_shortest_step_of_many_tops_is_that_of_the_plan() -> None:
@@ -249,14 +241,26 @@ def test_free_motions_and_kicks_err_in_proportion_to_the_weight_over_the_spin(me
     assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.3)
 
 
-def test_the_remedy_of_a_lost_top_is_an_earlier_end() -> None:
-    run = rigid.simulate(TOP_ASKED, [0.3, 0.4, 1.0], t=[200.0], accuracy=1e-11)
-    assert run.status == rigid.Status.FLAGGED
-    assert "end the run earlier" in run.reasons()[0]
-    assert (
-        rigid.simulate(TOP_ASKED, [0.3, 0.4, 1.0], t=[10.0], accuracy=1e-11).status
-        == rigid.Status.OK
+@pytest.mark.parametrize(
+    ("options", "remedy"),
+    [
+        ({"accuracy": 1e-11}, "shorter steps do not help: end the run earlier"),
+        ({}, "end the run earlier or ask for an accuracy"),
+        ({"method": "taylor16", "tolerance": 1e-11}, "end the run earlier or lower the tolerance"),
+        (
+            {"events": rigid.crosses("omega1")},
+            "chaos or rounding makes it, a smaller tolerance does not help: end the run earlier",
+        ),
+    ],
+    ids=str,
+)
+def test_the_remedy_of_a_lost_top_is_an_earlier_end(options: dict[str, Any], remedy: str) -> None:
+    lost, earlier = (
+        rigid.simulate(TOP_ASKED, [0.3, 0.4, 1.0], t=[end], **options) for end in (200.0, 10.0)
     )
+    assert lost.status == rigid.Status.FLAGGED
+    assert f"; {remedy}" in lost.reasons()[0]
+    assert earlier.status == rigid.Status.OK
 
 
 def test_the_remedy_of_a_method_that_misses_the_accuracy_works() -> None:
@@ -287,13 +291,6 @@ def test_roots_of_steps_are_those_of_each_number_alone(order: int) -> None:
     # power by an order multiplies the rounding of each root by it.
     unit = np.finfo(np.float64).eps
     assert np.abs(found**order / numbers - 1.0).max() < (14.0 + order) * unit
-
-
-@pytest.mark.parametrize("order", [2, 4, 8])
-def test_roots_of_the_orders_of_most_methods_are_exact_where_they_can_be(order: int) -> None:
-    whole: Floats = np.ldexp(np.ones(41), np.arange(-20, 21))
-    powers: Floats = whole**order
-    assert (roots(powers, order) == whole).all()
 
 
 @pytest.mark.parametrize("order", [2, 4, 8])
@@ -340,10 +337,22 @@ def test_the_limit_of_steps_holds_for_the_run_and_not_for_its_check() -> None:
 
 def test_no_body_is_planned_by_the_method_that_was_asked_for() -> None:
     none = rigid.simulate(TOP_ASKED, np.zeros((0, 3)), t=[1.0], method="rk4", accuracy=1e-6)
-    assert (none.plan.method, none.plan.tolerance) == ("rk4", None)
+    assert (none.plan.method, none.plan.tolerance, none.plan.steps) == ("rk4", None, 0)
+    assert rigid.plan(FREE, omega=np.zeros((0, 3)), t_end=1.0, method="rk4").steps == 0
 
 
-def test_an_accuracy_above_one_is_as_one_under_a_function() -> None:
+def test_a_slow_body_is_planned_by_its_own_rates() -> None:
+    """Not as if it turned by a radian, or as if damping slowed it at 1 1/s."""
+    slow: dict[str, Any] = {"omega": [0.0, 0.0, 1e-3], "t_end": 100.0}
+    assert rigid.plan(FREE, **slow).error == pytest.approx(1.1e-15, rel=1e-12)
+    assert rigid.plan(FREE, **slow, accuracy=1.2e-15).method == "exact"
+    with pytest.raises(ValueError, match=r"accuracy = 1\.05e-15: must be at least"):
+        rigid.plan(FREE, **slow, accuracy=1.05e-15)
+    damped = rigid.FreeBody(FREE.body, damping=(0.5, 0.6, 0.6))
+    assert "strong damping, at a rate of 0.5 1/s: etd4" in rigid.plan(damped, **slow).why
+
+
+def test_an_accuracy_above_one_is_as_one_under_a_function(no_numba: None) -> None:
     def brake(t: float, omega: Floats, attitude: Floats, data: Floats, torque: Floats) -> None:
         for k in range(3):
             torque[k] = -0.1 * omega[k]

@@ -85,14 +85,8 @@ def test_a_pair_of_crossings_inside_a_step_is_seen(method: str) -> None:
     for below in (1e-3, 1e-6, 1e-9):
         value = body.size * (1.0 - below)
         expected = body.crossings(value, 10.0 * body.quarter)
-        run = rigid.simulate(
-            BOX,
-            body.start,
-            t=[10.0 * body.quarter],
-            method=method,
-            events=rigid.crosses("omega2", value),
-        )
-        (found,) = run.events
+        pair, end = rigid.crosses("omega2", value), [10.0 * body.quarter]
+        (found,) = rigid.simulate(BOX, body.start, t=end, method=method, events=pair).events
         assert found.direction.tolist() == [1, -1] * (len(expected) // 2)
         # Near its largest value the rate is a parabola: rounding of the value moves both.
         error = 1e-15 / np.sqrt(below)
@@ -103,13 +97,8 @@ def test_a_pair_of_crossings_inside_a_step_is_seen(method: str) -> None:
 @pytest.mark.parametrize("method", ["exact", "taylor20"])
 def test_what_touches_the_value_is_flagged(method: str) -> None:
     body = Euler(0.7, 0.8)
-    run = rigid.simulate(
-        BOX,
-        body.start,
-        t=[8.0 * body.quarter],
-        method=method,
-        events=[rigid.crosses("omega2", body.size), rigid.crosses("omega2", 1.001 * body.size)],
-    )
+    events = [rigid.crosses("omega2", share * body.size) for share in (1.0, 1.001)]
+    run = rigid.simulate(BOX, body.start, t=[8.0 * body.quarter], method=method, events=events)
     touched, missed = run.events
     assert touched.grazing.all()
     assert not bool(touched.complete)
@@ -122,13 +111,8 @@ def test_what_touches_the_value_is_flagged(method: str) -> None:
 def test_rates_turn_at_quarter_periods() -> None:
     body = Euler(0.7, 0.8)
     for method in ("exact", "taylor20"):
-        run = rigid.simulate(
-            BOX,
-            body.start,
-            t=[20.0 * body.quarter + 0.1],
-            method=method,
-            events=[rigid.turns("omega2"), rigid.turns("omega2", -1)],
-        )
+        end, events = [20.0 * body.quarter + 0.1], [rigid.turns("omega2", way) for way in (0, -1)]
+        run = rigid.simulate(BOX, body.start, t=end, method=method, events=events)
         both, largest = run.events
         np.testing.assert_allclose(both.t, body.quarter * np.arange(1, 20, 2), rtol=1e-12)
         sign = np.sign(both.omega[:, 1])
@@ -143,11 +127,7 @@ def test_the_tilt_of_a_lagrange_top_is_that_of_its_closed_form() -> None:
     omega = [0.0, 0.3, 6.0]
     motion = rigid.exact.lagrange_top(LAGRANGE, omega, TILTED)
     limit = 0.5 * float(motion.tilt_min + motion.tilt_max)
-    events = [
-        rigid.crosses("tilt3", limit, -1),
-        rigid.turns("tilt3", +1),
-        rigid.turns("tilt3", -1),
-    ]
+    events = [rigid.crosses("tilt3", limit, -1), *(rigid.turns("tilt3", way) for way in (1, -1))]
     run = rigid.simulate(LAGRANGE, omega, TILTED, t=[30.0], events=events)
     falling, least, largest = run.events
     first = float(rigid.exact.tilt_time(LAGRANGE, omega, TILTED, limit=limit))
@@ -202,13 +182,8 @@ def test_random_events_agree_with_those_of_another_method() -> None:
 
 def test_states_of_events_are_those_of_the_run() -> None:
     for scene in (LAGRANGE, ASYMMETRIC):
-        run = rigid.simulate(
-            scene,
-            [0.3, 0.4, 1.0],
-            TILTED,
-            t=[20.0],
-            events=[rigid.crosses("gamma1", 0.1), rigid.crosses("L1"), rigid.turns("omega2")],
-        )
+        events = [rigid.crosses("gamma1", 0.1), rigid.crosses("L1"), rigid.turns("omega2")]
+        run = rigid.simulate(scene, [0.3, 0.4, 1.0], TILTED, t=[20.0], events=events)
         for event in run.events:
             assert len(event) >= 2
             states: Any = run.at(event.t)
@@ -296,10 +271,8 @@ def test_bodies_of_several_axes_have_times_of_their_own() -> None:
     np.testing.assert_array_equal(run.end, times[..., -1])
     event = run.events[0]
     assert event.count.shape == event.complete.shape == (2, 3)
-    alone = rigid.simulate(BOX, starts[1, 2], t=times[1, 2], events=rigid.crosses("omega1")).events[
-        0
-    ]
-    np.testing.assert_array_equal(event.of((1, 2)).t, alone.t)
+    alone = rigid.simulate(BOX, starts[1, 2], t=times[1, 2], events=rigid.crosses("omega1"))
+    np.testing.assert_array_equal(event.of((1, 2)).t, alone.events[0].t)
     assert (event.t <= run.end.ravel()[event.body]).all()
     with pytest.raises(IndexError, match=r"body = \(2, 0\): must be the index of one of the bod"):
         event.of((2, 0))
@@ -336,10 +309,9 @@ def test_the_stated_error_of_a_turn_covers_the_distance_from_a_sharp_run() -> No
     rng = np.random.default_rng(5)
     omega, attitude = rng.normal(size=(20, 3)), rng.normal(size=(20, 4))
     watched = [rigid.turns("speed"), rigid.turns("pitch", axes=(1, 3)), rigid.turns("L1")]
+    options: dict[str, Any] = {"t": [40.0], "events": watched, "method": "taylor20"}
     loose, sharp = (
-        rigid.simulate(
-            scene, omega, attitude, t=[40.0], events=watched, method="taylor20", tolerance=size
-        ).events
+        rigid.simulate(scene, omega, attitude, tolerance=size, **options).events
         for size in (1e-9, 1e-17)
     )
     for one, other in zip(loose, sharp, strict=True):
@@ -351,13 +323,8 @@ def test_the_stated_error_of_a_turn_covers_the_distance_from_a_sharp_run() -> No
 
 
 def test_events_are_saved_with_their_run(tmp_path: Path) -> None:
-    run = rigid.simulate(
-        BOX,
-        STARTS[:5],
-        t=[0.0, 20.0],
-        events=[rigid.crosses("omega1", 0.1), rigid.turns("L1")],
-        until=rigid.crosses("omega2"),
-    )
+    events, end = [rigid.crosses("omega1", 0.1), rigid.turns("L1")], rigid.crosses("omega2")
+    run = rigid.simulate(BOX, STARTS[:5], t=[0.0, 20.0], events=events, until=end)
     again = rigid.load_run(run.save(tmp_path / "run.npz"))
     assert len(again.events) == 3
     for one, other in zip(run.events, again.events, strict=True):
@@ -447,15 +414,14 @@ test_refused = refuses(
             lambda: rigid.crosses("omega1", gamma=(0, 0, 1)),
             "name = 'omega1': leave the name out beside omega, gamma, momentum",
         ),
-        (
-            lambda: rigid.turns(momentum=(0, 0, 0)),
-            "omega, gamma, momentum: all are zero",
-        ),
+        (lambda: rigid.turns(momentum=(0, 0, 0)), "omega, gamma, momentum: all are zero"),
         (lambda: rigid.crosses("omega1", 0.0, 2), "direction = 2: must be 1, -1 or 0"),
         (lambda: rigid.turns("omega1", True), "direction = True: must be 1"),
         (lambda: rigid.crosses("omega1", np.nan), "value = nan: must be finite"),
         (lambda: rigid.crosses("gamma2", 1.0), "value = 1.0: never crossed; along"),
         (lambda: rigid.crosses("tilt1", 3.2), "value = 3.2: never crossed; a tilt lies bet"),
+        (lambda: rigid.crosses("speed", 0.0), "value = 0.0: never crossed; a speed is positive"),
+        (lambda: rigid.crosses("speed", -1.0), "value = -1.0: never crossed; a speed is positive"),
         (simulated(count=2), "count = 2: needs events or until"),
         (simulated(until=ZERO, count=0), "count = 0: must be at least"),
         (simulated(events=[ZERO] * 33), "events: 33 of them; a run watches 32 at most"),
@@ -472,11 +438,7 @@ test_refused = refuses(
             "t: expected shape (k,) or (2, 'k') for bodies of shape (2,), got (3, 1)",
         ),
         *(
-            (
-                simulated(**{argument: wrong}),
-                TypeError,
-                [f"{argument} = ", "must be made by rigid"],
-            )
+            (simulated(**{argument: wrong}), TypeError, [f"{argument} = ", "must be made by rigid"])
             for argument in ("events", "until")
             for wrong in ("omega1", 3, [ZERO, "omega1"], [abs])
         ),
@@ -506,13 +468,9 @@ def test_events_in_the_axes_of_a_drawing_are_those_of_its_components() -> None:
         vertical = quaternion_to_matrix(event.attitude)[:, 2]
         np.testing.assert_allclose(vertical, event.gamma, rtol=0.0, atol=1e-12)
     np.testing.assert_allclose(run.at(run.events[2].t).momentum("space")[:, 0], 0.5, atol=1e-12)
-    principal = rigid.simulate(
-        body,
-        axes.T @ start,
-        run.in_frame(None).start_attitude,
-        t=times,
-        events=rigid.crosses(omega=axes.T @ [0.0, 1.0, 0.0], value=0.3),
-    )
+    turned = axes.T @ start, run.in_frame(None).start_attitude
+    second = rigid.crosses(omega=axes.T @ [0.0, 1.0, 0.0], value=0.3)
+    principal = rigid.simulate(body, *turned, t=times, events=second)
     np.testing.assert_allclose(principal.events[0].t, run.events[0].t, rtol=1e-12)
     back = run.in_frame(None).events[0].omega
     np.testing.assert_allclose(back, principal.events[0].omega, rtol=0.0, atol=1e-12)
@@ -520,14 +478,9 @@ def test_events_in_the_axes_of_a_drawing_are_those_of_its_components() -> None:
 
 def test_a_momentum_that_is_constant_and_never_crosses_disturbs_no_other_event() -> None:
     watched = [rigid.crosses("omega2"), rigid.crosses("gamma3", 0.2)]
-    alone = rigid.simulate(BOX, STARTS, TILTED, t=[0.0, 9.0], events=watched, method="taylor16")
-    both = rigid.simulate(
-        BOX,
-        STARTS,
-        TILTED,
-        t=[0.0, 9.0],
-        events=[*watched, rigid.crosses("L1", 100.0)],
-        method="taylor16",
+    alone, both = (
+        rigid.simulate(BOX, STARTS, TILTED, t=[0.0, 9.0], events=events, method="taylor16")
+        for events in (watched, [*watched, rigid.crosses("L1", 100.0)])
     )
     assert len(both.events[2]) == 0
     for event, same in zip(alone.events, both.events[:2], strict=True):
@@ -543,7 +496,6 @@ def test_a_run_with_events_keeps_the_accuracy_of_a_run_without_them() -> None:
     assert max(true.max(), truth.attitude_off(present(run.attitude)).max()) <= run.error <= 1e-8
     assert (run.plan.method, run.plan.tolerance) == ("taylor20", 1e-16)
     assert any("inside its steps, where events are" in reason for reason in run.plan.why)
-    asked = rigid.simulate(
-        ASYMMETRIC, omega, TILTED, t=times, events=rigid.crosses("omega2"), accuracy=1e-5
-    )
+    options: dict[str, Any] = {"t": times, "events": rigid.crosses("omega2"), "accuracy": 1e-5}
+    asked = rigid.simulate(ASYMMETRIC, omega, TILTED, **options)
     assert asked.omega.tobytes() == run.omega.tobytes()

@@ -80,14 +80,7 @@ def test_a_body_that_comes_from_afar_errs_as_stated(e: float, distance: float) -
         rigid.FreeBody(BODY, orbit=orbit, rotor=(0.0, 0.1 * fastest, 0.0), damping=1e-3 / mean),
     ):
         case = Case("flyby", scene, omega, np.array([0.8, 0.1, 0.5, -0.3]), t, {})
-        exact = quad_motion.motion(
-            scene,
-            omega,
-            case.attitude,
-            t,
-            tolerance=quad_motion.FAST_TOLERANCE,
-            number="long double",
-        )
+        exact = quad_motion.motion(scene, omega, case.attitude, t, **quad_motion.FAST)
         assert exact is not None
         asked: list[dict[str, Any]] = [{}, {"accuracy": 1e-6}]
         if distance < 100.0:
@@ -105,12 +98,8 @@ def test_equal_steps_follow_the_anomaly_of_a_hyperbola(method: str) -> None:
     """Over its anomaly, and in the time beside a rotor that is too slow to act."""
     orbit = rigid.Orbit(1.0, 2.0, -40.0, NORMAL, TOWARDS)
     omega, t = [0.3, 0.2, 0.5], np.linspace(5.0, 80.0, 6)
-    alone, beside = (
-        rigid.simulate(
-            rigid.FreeBody(BODY, orbit=orbit, rotor=rotor), omega, t=t, method=method, step=0.01
-        )
-        for rotor in (None, (0.0, 0.0, 1e-200))
-    )
+    scenes = [rigid.FreeBody(BODY, orbit=orbit, rotor=rotor) for rotor in (None, (0, 0, 1e-200))]
+    alone, beside = (rigid.simulate(one, omega, t=t, method=method, step=0.01) for one in scenes)
     together = alone.error + beside.error
     np.testing.assert_array_less(np.abs(alone.omega - beside.omega).max(), together)
     # No step over the anomaly is longer than the step in the time.
@@ -143,16 +132,10 @@ def test_a_map_of_a_flyby_is_what_its_bodies_do() -> None:
     """Which of 96 bodies keep their axis near the normal of the orbit, by their own motions."""
     scene = rigid.FreeBody(BODY, orbit=rigid.Orbit(1.0, 2.5, -15.0, NORMAL, TOWARDS))
     most = 0.9
-    result = rigid.stability_map(
-        scene,
-        axes={"spin": [0.3, 0.6, 0.9]},
-        start=rigid.Start(spin=1.0, axis=3, noise=rigid.normal(0.05)),
-        stable=rigid.pointing_within(most, 3, "normal"),
-        t_end=30.0,
-        samples=32,
-        rng=3,
-        progress=False,
-    )
+    start = rigid.Start(spin=1.0, axis=3, noise=rigid.normal(0.05))
+    options: dict[str, Any] = {"axes": {"spin": [0.3, 0.6, 0.9]}, "samples": 32, "rng": 3}
+    pointing = rigid.pointing_within(most, 3, "normal")
+    result = rigid.stability_map(scene, start=start, stable=pointing, t_end=30.0, **options)
     t = np.linspace(0.0, 30.0, 3001)
     for pixel in range(3):
         bodies = result.starts(range(32), pixel=pixel)
@@ -168,17 +151,12 @@ def test_a_map_of_a_flyby_is_what_its_bodies_do() -> None:
 def test_a_map_holds_ellipses_beside_hyperbolas() -> None:
     """Each pixel is the map of its orbit alone, but for the bodies that are drawn."""
     noise = rigid.samples([[0.0, 0.0, 0.5], [0.1, 0.2, 0.4], [0.3, 0.0, 0.9]], in_order=True)
+    options: dict[str, Any] = {"stable": rigid.rate_within(0.5), "t_end": 10.0, "samples": 3}
+    options["start"] = rigid.Start(omega=(0.0, 0.0, 0.0), noise=noise)
 
     def share(axes: dict[str, list[float]], e: float) -> Floats:
-        found: Floats = rigid.stability_map(
-            rigid.FreeBody(BODY, orbit=rigid.Orbit(1.0, e, -5.0)),
-            axes=axes,
-            start=rigid.Start(omega=(0.0, 0.0, 0.0), noise=noise),
-            stable=rigid.rate_within(0.5),
-            t_end=10.0,
-            samples=3,
-            progress=False,
-        ).stable
+        scene = rigid.FreeBody(BODY, orbit=rigid.Orbit(1.0, e, -5.0))
+        found: Floats = rigid.stability_map(scene, axes=axes, **options).stable
         return found
 
     values = [0.0, 0.5, 0.95, 1.05, 1.5, 4.0, 50.0]

@@ -56,16 +56,11 @@ def test_a_pulse_that_damping_stops_again_is_no_drift(method: str) -> None:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_entering_a_side_under_a_torque_is_no_flip(sign: float) -> None:
+    start, stable = rigid.Start(omega=(0.0, 0.0, 1.0)), rigid.no_flip(1)
+    options: dict[str, Any] = {"axes": {"omega3": [0.0, 1.0]}, "samples": 2, "rng": 1}
     for torque in (rigid.Torque.body((sign * 0.3, 0, 0)), rigid.Torque.space((sign * 0.3, 0, 0))):
-        result = rigid.stability_map(
-            rigid.FreeBody(rigid.Body((1.1, 1.7, 2.3)), torque=torque),
-            axes={"omega3": [0.0, 1.0]},
-            start=rigid.Start(omega=(0.0, 0.0, 1.0)),
-            stable=rigid.no_flip(1),
-            t_end=0.5,
-            samples=2,
-            rng=1,
-        )
+        scene = rigid.FreeBody(rigid.Body((1.1, 1.7, 2.3)), torque=torque)
+        result = rigid.stability_map(scene, start=start, stable=stable, t_end=0.5, **options)
         assert result.share.tolist() == [1.0, 1.0]
 
 
@@ -108,15 +103,9 @@ def test_resting_bodies_under_damping_have_every_accuracy() -> None:
 
 def test_the_map_layer_knows_of_damping_that_differs_by_pixel() -> None:
     top = rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.5)), mgl=1.0)
-    result = rigid.stability_map(
-        top,
-        axes={"damping3": [0.0, 5.0]},
-        start=rigid.Start(spin=3.0, attitude_noise=rigid.normal(1e-2)),
-        stable=rigid.tilt_below(0.5),
-        t_end=10.0,
-        samples=2,
-        rng=3,
-    )
+    start, stable = rigid.Start(spin=3.0, attitude_noise=rigid.normal(1e-2)), rigid.tilt_below(0.5)
+    options: dict[str, Any] = {"axes": {"damping3": [0.0, 5.0]}, "samples": 2, "rng": 3}
+    result = rigid.stability_map(top, start=start, stable=stable, t_end=10.0, **options)
     body = result.replay(1, 0, t=[0.0])
     damped = rigid.HeavyTop(top.body, mgl=1.0, damping=(0.0, 0.0, 5.0))
     alone = rigid.condition(damped, body.omega, body.attitude, t=[10.0])

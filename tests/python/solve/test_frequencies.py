@@ -36,7 +36,7 @@ def test_the_error_is_covered() -> None:
     rng = np.random.default_rng(1)
     t = np.linspace(0.0, 300.0, 3001)
     covered, sharp = 0, 0
-    for _ in range(100):
+    for _ in range(50):
         frequency = rng.uniform(-5.0, 5.0, 4)
         while np.diff(np.sort(frequency)).min() < 0.3:
             frequency = rng.uniform(-5.0, 5.0, 4)
@@ -46,8 +46,8 @@ def test_the_error_is_covered() -> None:
         off = abs(lines.frequency[0] - frequency[0])
         covered += off <= lines.error[0]
         sharp += lines.error[0] < 1e-3 * 2.0 * np.pi / 300.0
-    assert covered >= 99
-    assert sharp >= 99
+    assert covered >= 49
+    assert sharp >= 49
 
 
 def test_several_lines_are_found_without_each_other() -> None:
@@ -126,7 +126,7 @@ def test_a_lagrange_top_has_the_frequencies_of_its_nutation_and_precession() -> 
 def test_a_regular_motion_keeps_its_frequency_and_a_chaotic_one_does_not() -> None:
     top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
     starts = [[0.3, 0.4, 1.0], [0.1, 0.0, 20.0]]
-    t = np.linspace(0.0, 400.0, 20001)
+    t = np.linspace(0.0, 400.0, 8001)
     run = rigid.simulate(top, starts, [0.9, 0.3, 0.2, 0.1], t=t, check=False)
     drift = rigid.frequency_drift(run)
     assert drift.drift.shape == (2,)
@@ -190,6 +190,8 @@ def test_the_unit_of_time_changes_no_digit_of_a_frequency(power: int) -> None:
     found = rigid.frequencies(np.ldexp(t, power), z)
     np.testing.assert_array_equal(found.frequency, np.ldexp(known.frequency, -power))
     np.testing.assert_array_equal(found.error, np.ldexp(known.error, -power))
+    with pytest.raises(ValueError, match=r"t: from -1e\+308 to 1e\+308: their span must be"):
+        rigid.frequencies(1e308 * np.linspace(-1.0, 1.0, 32), np.ones(32))
 
 
 @pytest.mark.parametrize("real", [False, True])
@@ -260,14 +262,14 @@ def test_the_error_of_lines_in_white_noise_is_covered(size: float, real: bool) -
     """By three standard deviations: 99.7 % of them, and the error is no more than ten."""
     rng = np.random.default_rng(6)
     t, ratios = np.linspace(0.0, 100.0, 501), []
-    for _ in range(150):
+    for _ in range(75):
         frequency, phase = rng.uniform(0.5, 12.0), rng.uniform(0.0, 6.3)
         z = np.exp(1j * (frequency * t + phase))
         z += size * (rng.normal(size=501) + 1j * rng.normal(size=501))
         lines = rigid.frequencies(t, z.real if real else z)
         ratios.append(abs(lines.frequency[0] - frequency) / lines.error[0])
-    # 0.3 % of 150 is half a case: three are four standard deviations of its distribution above.
-    assert np.sum(np.array(ratios) > 1.0) <= 3
+    # Of 75 a quarter of a case: two are four standard deviations of its distribution above.
+    assert np.sum(np.array(ratios) > 1.0) <= 2
     # The median of a normal error is 0.67 standard deviations.
     assert np.median(ratios) > 0.067
 
@@ -277,7 +279,7 @@ def test_a_line_of_noise_at_the_frequency_of_nyquist_is_as_small_as_the_noise() 
     rng = np.random.default_rng(8)
     for count in (32, 101):
         t = np.linspace(0.0, 100.0, count)
-        for _ in range(60):
+        for _ in range(20):
             z = np.cos(0.31 * t + rng.uniform(0.0, 6.3)) + 1e-2 * rng.normal(size=count)
             sizes = np.abs(rigid.frequencies(t, z, count=2).amplitude)
             assert sizes[0] == pytest.approx(1.0, abs=0.03)
@@ -287,7 +289,7 @@ def test_a_line_of_noise_at_the_frequency_of_nyquist_is_as_small_as_the_noise() 
 def test_weak_lines_beside_strong_ones_are_covered() -> None:
     rng = np.random.default_rng(4)
     t = np.linspace(0.0, 200.0, 2001)
-    for _ in range(20):
+    for _ in range(10):
         frequency = rng.uniform(-8.0, 8.0, 4)
         while np.diff(np.sort(frequency)).min() < 8.2 * np.pi / 200.0:
             frequency = rng.uniform(-8.0, 8.0, 4)
@@ -296,6 +298,9 @@ def test_weak_lines_beside_strong_ones_are_covered() -> None:
         off = np.abs(lines.frequency - frequency)
         assert (off <= lines.error).all()
         assert (lines.error < 1e-10).all()
+    # The phases of a strong line, up to 2000 rad, round by 5e-13: a line of 1e-11 is more.
+    lines = rigid.frequencies(t, np.exp(20j * t) + 1e-11 * np.exp(3j * t), count=3)
+    np.testing.assert_allclose(np.abs(lines.amplitude), [1.0, 1e-11, 0.0], rtol=1e-3)
 
 
 def test_a_body_that_fails_or_rests_leaves_the_others_their_drift() -> None:
@@ -308,6 +313,9 @@ def test_a_body_that_fails_or_rests_leaves_the_others_their_drift() -> None:
     assert drift.drift[0] == alone.drift
     assert np.isnan(drift.drift[1:]).all()
     assert np.isnan(drift.first.frequency[1:]).all()
+    apart = rigid.simulate(box, starts[0], t=[t, 2.0 * t], check=False)
+    with pytest.raises(ValueError, match="run: all bodies must share their times"):
+        rigid.frequency_drift(apart)
 
 
 def test_a_signal_takes_no_unit() -> None:
@@ -324,7 +332,7 @@ def test_what_an_unresolved_line_leaves_is_not_a_line_of_its_own() -> None:
     up to 30 times, while each part of the swing counted as a line.
     """
     rng, t, of_fast = np.random.default_rng(7), np.linspace(0.0, 1.0, 32), []
-    for _ in range(60):
+    for _ in range(30):
         slow, fast = 4.0 * np.pi * rng.uniform([0.55, 3.2], [0.98, 6.0])
         phases = rng.uniform(0.0, 2.0 * np.pi, 2)
         z = np.cos(slow * t + phases[0]) + 0.1 * np.cos(fast * t + phases[1])

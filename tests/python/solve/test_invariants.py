@@ -234,11 +234,8 @@ def test_reported_drifts_are_those_of_the_returned_states(
         energy_drift = np.abs(energy(scene, run.omega) / kinetic - 1.0).max()
         length = np.linalg.norm(angular_momentum(scene, run.omega), axis=-1)
         momentum_drift = np.abs(length / np.linalg.norm(momentum) - 1.0).max()
-    unit_drift = max(
-        np.abs(np.linalg.norm(v, axis=-1) - 1.0).max()
-        for v in (run.gamma, attitude)
-        if v is not None
-    )
+    units = [attitude] if run.gamma is None else [attitude, run.gamma]
+    unit_drift = max(np.abs(np.linalg.norm(v, axis=-1) - 1.0).max() for v in units)
     # The core forms |L| from |L|^2, of which the drift is the first order; the rest is rounding.
     rounding = 20.0 * ROUNDOFF
     assert run.energy_drift == pytest.approx(energy_drift, rel=1e-9, abs=rounding)
@@ -251,15 +248,14 @@ def test_reported_drifts_are_those_of_the_returned_states(
 
 
 def test_what_is_not_carried_has_no_drift() -> None:
-    run = rigid.simulate(
-        rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0))),
-        [1.0, 2.0, 3.0],
-        t=9.0,
-        step=0.2,
-        record="rates",
+    options: dict[str, Any] = {"t": 9.0, "step": 0.2, "record": "rates"}
+    free, top = (
+        rigid.simulate(ASYMMETRIC[name][0], [1.0, 2.0, 3.0], **options) for name in ("free", "top")
     )
-    assert run.unit_drift == 0.0
-    assert run.energy_drift > 0.0
+    assert free.unit_drift == 0.0
+    assert free.energy_drift > 0.0
+    with pytest.raises(ValueError, match="'rates': the potential energy of a top needs its vert"):
+        top.energy()
 
 
 @pytest.mark.parametrize("method", ["rk4", "taylor16", "midpoint"])

@@ -82,10 +82,6 @@ def test_one_torque_acts_on_bodies_of_different_moments() -> None:
     motion = rigid.Motion(rigid.Body(moments), [0.0, 0.0, 0.0])
     motion.step(0.5, torque=(0.0, 0.0, 6.0))
     np.testing.assert_allclose(motion.omega[:, 2], 0.5 * 6.0 / moments[:, 2], rtol=1e-15)
-    with pytest.raises(
-        ValueError, match=r"scene: expected one body or n in a row, got .* \(1, 2\)"
-    ):
-        rigid.Motion(rigid.Body(moments[np.newaxis]), [0.0, 0.0, 0.0])
 
 
 def losses(motion: rigid.Motion, steps: int, dt: float) -> float:
@@ -343,11 +339,7 @@ test_refused = refuses(
         (stepped(dt="1"), TypeError, "dt = '1': must be a real number"),
         (stepped(dt=True), TypeError, "dt = True: must be a real number"),
         (stepped(dt=math.nan), "dt = NaN: must be finite"),
-        (
-            stepped(torque=(1.0, "a", 2.0)),
-            TypeError,
-            "torque = (1.0, 'a', 2.0): must be real numbers",
-        ),
+        (stepped(torque=(1.0, "a", 2.0)), TypeError, "torque = (1.0, 'a', 2.0): must be real num"),
         (stepped(torque=(1.0, math.inf, 2.0)), "torque = inf: must be finite"),
         (stepped(torque=np.ones((2, 3))), "torque: expected shape (3,) or (3, 3), got (2, 3)"),
         (stepped(torque=[1.0, 2.0]), "torque: expected shape (3,) or (n, 3), got (2,)"),
@@ -366,6 +358,10 @@ test_refused = refuses(
             "t = -0.015625: the table of the torque does not reach this time",
         ),
         (lambda: rigid.Motion(None, START), TypeError, "scene = None: must be a rigid.FreeBody"),  # type: ignore[arg-type]
+        (
+            lambda: rigid.Motion(rigid.Body([[(1.0, 1.6, 2.1)] * 2]), START),
+            ["scene: expected one body or n in a row, got ", "(1, 2)"],
+        ),
     ],
     literal=True,
 )
