@@ -273,10 +273,9 @@ def _of_the_copy(name: str, content: bytes) -> bytes:
 
 
 def _sample(mutants: list[Mutant], count: int, seed: int, only: str | None) -> list[Mutant]:
-    """So many at random, or all whose description has a text."""
-    if only is not None:
-        return [mutant for mutant in mutants if only in str(mutant)]
-    return Random(seed).sample(mutants, min(count, len(mutants)))
+    """So many at random, of those whose description has a text."""
+    asked = [mutant for mutant in mutants if only is None or only in str(mutant)]
+    return Random(seed).sample(asked, min(count, len(asked)))
 
 
 def main() -> int:
@@ -284,7 +283,7 @@ def main() -> int:
     parser.add_argument("--core", type=int, default=40, help="mutants of the core")
     parser.add_argument("--python", type=int, default=60, help="mutants of Python")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", help="all mutants whose description has this text")
+    parser.add_argument("--only", help="mutants whose description has this text")
     chosen = parser.parse_args()
     COPY.mkdir(parents=True, exist_ok=True)
     _copy()

@@ -97,7 +97,7 @@ def taken(value: Any, width: int, shape: Shape, index: Index) -> Any:
         return value
     every = np.broadcast_to(array, (*shape, *tail))
     where = index if isinstance(index, tuple) else (index,)
-    # Whole axes at the end, which an Ellipsis in the index must not take for those of the bodies.
+    # Whole axes at the end, which an Ellipsis in the index must not take for axes of bodies.
     return every[(*where, *(slice(None),) * width)]
 
 

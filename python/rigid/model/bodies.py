@@ -197,7 +197,7 @@ class Bodies:
         of : {"states", "samples", "growth"}
             What the run is for: states, the samples of a map, or the growth of their deviations.
         step : float, optional
-            The longest step of all bodies (s), instead of those of the method. ValueError if
+            The longest step of all bodies (s), instead of the method's steps. ValueError if
             damping makes it unstable.
         """
         longest, time = _core.planned_steps(self, method, _rows_of(span), of, step).T

@@ -21,6 +21,7 @@ TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
 START = [0.3, 0.4, 1.0]
 MANY = np.random.default_rng(1).normal(size=(200, 3))
 LONG = [0.0, 10_000.0]
+THREE_RUNS = [0.0, 30_000.0]
 
 
 @cache
@@ -52,7 +53,9 @@ CALLS: dict[str, Callable[..., Any]] = {
         rigid.simulate(TOP.body, MANY, t=np.linspace(0.0, 9.0, 6000), **how).omega
     ),
     "events": lambda **how: (
-        rigid.simulate(TOP, START, t=LONG, events=rigid.crosses("omega3", 0.5), **how).events[0].t
+        rigid.simulate(TOP, START, t=THREE_RUNS, events=rigid.crosses("omega3", 0.5), **how)
+        .events[0]
+        .t
     ),
     "growth": lambda **how: rigid.lyapunov(TOP, START, t=[10_000.0], **how).log_growth,
     "section": lambda **how: rigid.poincare(TOP, START, t_end=12_000.0, **how).omega,

@@ -645,14 +645,19 @@ STATES: dict[str, tuple[rigid.FreeBody | rigid.HeavyTop, dict[str, Any]]] = {
 }
 
 
-def test_a_cost_is_known_where_the_time_of_the_process_is_limited() -> None:
+def test_times_are_known_where_the_time_of_the_process_is_limited() -> None:
     """Under a limit, as of a batch system, the clock of a process ticks 250 times a second."""
     pytest.importorskip("resource", reason="no limits of processes here")
     run_python(
         "-c",
-        "import resource; resource.setrlimit(resource.RLIMIT_CPU, (500, 500)); import rigid\n"
+        "import resource; _, hard = resource.getrlimit(resource.RLIMIT_CPU)\n"
+        "most = 500 if hard == resource.RLIM_INFINITY else hard\n"
+        "resource.setrlimit(resource.RLIMIT_CPU, (most, most)); import rigid\n"
         "body = rigid.Body((1.0, 2.0, 3.0))\n"
-        "assert rigid.plan(body, omega=[0.1, 1.0, 0.2], t_end=100.0, cost=True).cost > 0.0",
+        "assert rigid.plan(body, omega=[0.1, 1.0, 0.2], t_end=100.0, cost=True).cost > 0.0\n"
+        "still = rigid.scheme('still', lambda scene, t, omega, attitude, *_: (omega, attitude))\n"
+        "report = rigid.report(body, omega=[0.0, 1.0, 0.0], t_end=1.0, methods=[still])\n"
+        "assert {row.method for row in report.rows} == {'still'}",
     )
 
 
