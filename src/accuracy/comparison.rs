@@ -37,6 +37,11 @@ impl<'a> Rows<'a> {
         Rows { states, rows: None }
     }
 
+    /// The rows of some of the bodies.
+    pub fn rows_of(&self, some: &[usize]) -> Result<Vec<usize>, Error> {
+        memory::collected("bodies", some.len(), some.iter().map(|&body| self.row(body)))
+    }
+
     fn row(&self, body: usize) -> usize {
         self.rows.map_or(body, |rows| rows[body])
     }
@@ -71,6 +76,28 @@ fn safety_of_finer(halvings: f64) -> f64 {
     if halvings == HALVINGS { SAFETY_OF_FINER } else { SAFETY }
 }
 
+/// The errors of the bodies that did not end at the step limit, by a function of their numbers, batch and states; the errors of
+/// the others are unknown. None if no body ended there.
+pub fn of_ended(
+    batch: &Batch,
+    states: Rows,
+    own: impl FnOnce(&[usize], &Batch, Rows) -> Result<Vec<Estimate>, Error>,
+) -> Result<Option<Vec<Estimate>>, Error> {
+    let n = batch.len();
+    let ended = |&body: &usize| states.states.status[states.row(body)] != Status::StepLimit;
+    let count = (0..n).filter(ended).count();
+    if count == n {
+        return Ok(None);
+    }
+    let mut all = memory::filled("errors of the bodies", n, Estimate::UNKNOWN)?;
+    if count > 0 {
+        let some = memory::collected("bodies", count, (0..n).filter(ended))?;
+        let rows = states.rows_of(&some)?;
+        write(&mut all, &some, &own(&some, &batch.select(&some)?, Rows { rows: Some(&rows), ..states })?);
+    }
+    Ok(Some(all))
+}
+
 /// The errors of states that were made with these steps, from second runs; or from a coarser run with these steps.
 pub fn estimate(
     batch: &Batch,
@@ -79,27 +106,18 @@ pub fn estimate(
     steps: Steps,
     coarser: Option<Coarser>,
 ) -> Result<Vec<Estimate>, Error> {
-    let n = batch.len();
-    let ended = |&body: &usize| states.states.status[states.row(body)] != Status::StepLimit;
-    let count = (0..n).filter(ended).count();
-    if count < n {
-        let mut all = memory::filled("errors of the bodies", n, Estimate::UNKNOWN)?;
-        if count > 0 {
-            let some = memory::collected("bodies", count, (0..n).filter(ended))?;
-            let longest = steps.longest.map(|longest| picked("steps", longest, &some)).transpose()?;
-            let steps = Steps { longest: longest.as_deref(), ..steps };
-            let rows = |of: &Rows| memory::collected("bodies", count, some.iter().map(|&body| of.row(body)));
-            let of_run = rows(&states)?;
-            let of_coarser = coarser.map(|coarser| rows(&coarser.states)).transpose()?;
-            let coarser = coarser.map(|coarser| Coarser {
-                states: Rows { rows: of_coarser.as_deref(), ..coarser.states },
-                ..coarser
-            });
-            let states = Rows { rows: Some(&of_run), ..states };
-            write(&mut all, &some, &estimate(&batch.select(&some)?, solver, states, steps, coarser)?);
-        }
+    let of_some = |some: &[usize], batch: &Batch, states: Rows| {
+        let longest = steps.longest.map(|longest| picked("steps", longest, some)).transpose()?;
+        let steps = Steps { longest: longest.as_deref(), ..steps };
+        let rows = coarser.map(|coarser| coarser.states.rows_of(some)).transpose()?;
+        let coarser = coarser
+            .map(|coarser| Coarser { states: Rows { rows: rows.as_deref(), ..coarser.states }, ..coarser });
+        estimate(batch, solver, states, steps, coarser)
+    };
+    if let Some(all) = of_ended(batch, states, of_some)? {
         return Ok(all);
     }
+    let n = batch.len();
     if (0..n).all(|body| batch.span_of(body) == 0.0) {
         return memory::filled("errors of the bodies", n, Estimate::NONE);
     }

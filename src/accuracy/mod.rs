@@ -23,7 +23,7 @@ use crate::memory;
 use crate::method::{Method, SERIES};
 use crate::trajectory::{Request, StatesPart};
 use batch::{Batch, Job, Solver, picked};
-use comparison::{Coarser, Rows, estimate, with_phase_errors, write};
+use comparison::{Coarser, Rows, estimate, of_ended, with_phase_errors, write};
 use second_run::{
     HALVINGS, HALVINGS_AGAIN, RUNGE_KUTTA, Steps, is_damped_stiffly, is_refined_alike, step_ratio,
 };
@@ -204,6 +204,17 @@ fn errors_by_tolerance(
         let own = estimate(batch, solver, states, Steps::ADAPTIVE, None)?;
         return Ok(with_phase_errors(batch, states, own));
     }
+    // Of bodies at the step limit no error is known, and the coarser run has a far higher one.
+    let of_some = |some: &[usize], batch: &Batch, states: Rows| {
+        let is_stop = |body: &usize| stops.is_some_and(|stops| stops.binary_search(body).is_ok());
+        let count = some.iter().filter(|body| is_stop(body)).count();
+        let rows = some.iter().enumerate().filter(|(_, body)| is_stop(body)).map(|(row, _)| row);
+        let stops = memory::collected("bodies that drag may stop", count, rows)?;
+        errors_by_tolerance(batch, solver, states, accuracy, Some(&stops))
+    };
+    if let Some(all) = of_ended(batch, states, of_some)? {
+        return Ok(with_phase_errors(batch, states, all));
+    }
     let to_rounding = is_ruled_by_rounding(solver);
     let tolerance = match solver.tolerance {
         Some(tolerance) if !to_rounding => APART * tolerance,
@@ -218,7 +229,8 @@ fn errors_by_tolerance(
         let mut rough = above(&all, accuracy)?;
         rough.retain(|body| stops.is_none_or(|stops| stops.binary_search(body).is_err()));
         if !rough.is_empty() {
-            let rows = Rows { rows: Some(&rough), ..states };
+            let rows = states.rows_of(&rough)?;
+            let rows = Rows { rows: Some(&rows), ..states };
             let own = estimate(&batch.select(&rough)?, solver, rows, Steps::ADAPTIVE, None)?;
             write(&mut all, &rough, &own);
         }

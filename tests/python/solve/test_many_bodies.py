@@ -235,6 +235,21 @@ def test_the_error_of_a_body_among_others_is_its_own(method: str) -> None:
         assert_alone(run, one, k, ("error", "lost_from", "status"))
 
 
+@pytest.mark.parametrize("method", [None, "taylor16"])
+def test_bodies_at_the_step_limit_leave_the_errors_of_others_as_they_are(
+    method: str | None,
+) -> None:
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+    omega = np.random.default_rng(3).normal(size=(9, 3))
+    omega[::3] *= 1e4
+    how: dict[str, Any] = {"t": [100.0], "max_steps": 3000, "method": method}
+    together = rigid.simulate(top, omega, **how)
+    assert list(np.isnan(together.error)) == [True, False, False] * 3
+    assert together.error[1] > 1e-5  # chaos: it is run again, for its rounding
+    alone = [rigid.simulate(top, rates, **how).error for rates in omega]
+    np.testing.assert_array_equal(together.error, alone)
+
+
 ONE = rigid.Body((1.0, 1.2, 1.5))
 EYE = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
 BAD = MOMENTS / SIZE[:, None]
