@@ -25,6 +25,21 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "2 ** 63 -> 2 * 63",
     ): "the shorter way for most whole numbers: the longer way gives the same ones",
     (
+        "_checks/arguments.py",
+        "if array.shape[-1] > 1 and (array[..., 1:] < array[..., :-1]).any():",
+        "array.shape[-1] > 1 -> array.shape[-1] >= 1",
+    ): "one number has no pair in a wrong order",
+    (
+        "model/forces.py",
+        'return f"{self.name} {numbers[0]:g}"',
+        "0 -> 1",
+    ): "the numbers are all equal",
+    (
+        "rotations/so3.py",
+        "return np.where(zero, limit, numerator / np.where(zero, 1.0, denominator))",
+        "1.0 -> 2.0",
+    ): "the quotient where the denominator is zero is not returned",
+    (
         "_checks/progress.py",
         "bar.set_postfix_str(failed(progress.failures), refresh=False)",
         "False -> True",

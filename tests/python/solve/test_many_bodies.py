@@ -104,6 +104,11 @@ def test_a_sweep_of_one_number_makes_many_bodies() -> None:
     assert rigid.FreeBody(one, damping=[0.1, 0.2, 0.3]).shape == ()  # one for each axis
 
 
+def test_a_body_of_many_tells_the_shape_of_their_moments() -> None:
+    body = rigid.Body(np.ones((2, 5, 3)), physical=False)
+    assert repr(body) == "Body(moments of shape (2, 5, 3), physical=False)"
+
+
 def test_a_scene_is_indexed_like_an_array() -> None:
     assert [len(DRIVEN), len(BODY)] == [COUNT, COUNT]
     assert DRIVEN[3].body.moments == tuple(MOMENTS[3])
