@@ -76,22 +76,22 @@ fn safety_of_finer(halvings: f64) -> f64 {
     if halvings == HALVINGS { SAFETY_OF_FINER } else { SAFETY }
 }
 
-/// The errors of the bodies that did not end at the step limit, by a function of their numbers, batch and states; the errors of
-/// the others are unknown. None if no body ended there.
-pub fn of_ended(
+/// The errors of the bodies that finished below the step limit, by a function of their numbers, batch and states; the errors of
+/// the others are unknown. None if all bodies finished.
+pub fn of_finished(
     batch: &Batch,
     states: Rows,
     own: impl FnOnce(&[usize], &Batch, Rows) -> Result<Vec<Estimate>, Error>,
 ) -> Result<Option<Vec<Estimate>>, Error> {
     let n = batch.len();
-    let ended = |&body: &usize| states.states.status[states.row(body)] != Status::StepLimit;
-    let count = (0..n).filter(ended).count();
+    let finished = |&body: &usize| states.states.status[states.row(body)] != Status::StepLimit;
+    let count = (0..n).filter(finished).count();
     if count == n {
         return Ok(None);
     }
     let mut all = memory::filled("errors of the bodies", n, Estimate::UNKNOWN)?;
     if count > 0 {
-        let some = memory::collected("bodies", count, (0..n).filter(ended))?;
+        let some = memory::collected("bodies", count, (0..n).filter(finished))?;
         let rows = states.rows_of(&some)?;
         write(&mut all, &some, &own(&some, &batch.select(&some)?, Rows { rows: Some(&rows), ..states })?);
     }
@@ -114,7 +114,7 @@ pub fn estimate(
             .map(|coarser| Coarser { states: Rows { rows: rows.as_deref(), ..coarser.states }, ..coarser });
         estimate(batch, solver, states, steps, coarser)
     };
-    if let Some(all) = of_ended(batch, states, of_some)? {
+    if let Some(all) = of_finished(batch, states, of_some)? {
         return Ok(all);
     }
     let n = batch.len();

@@ -23,7 +23,7 @@ use crate::memory;
 use crate::method::{Method, SERIES};
 use crate::trajectory::{Request, StatesPart};
 use batch::{Batch, Job, Solver, picked};
-use comparison::{Coarser, Rows, estimate, of_ended, with_phase_errors, write};
+use comparison::{Coarser, Rows, estimate, of_finished, with_phase_errors, write};
 use second_run::{
     HALVINGS, HALVINGS_AGAIN, RUNGE_KUTTA, Steps, is_damped_stiffly, is_refined_alike, step_ratio,
 };
@@ -212,7 +212,7 @@ fn errors_by_tolerance(
         let stops = memory::collected("bodies that drag may stop", count, rows)?;
         errors_by_tolerance(batch, solver, states, accuracy, Some(&stops))
     };
-    if let Some(all) = of_ended(batch, states, of_some)? {
+    if let Some(all) = of_finished(batch, states, of_some)? {
         return Ok(with_phase_errors(batch, states, all));
     }
     let to_rounding = is_ruled_by_rounding(solver);

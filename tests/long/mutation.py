@@ -184,7 +184,7 @@ def modules() -> list[str]:
 
 @cache
 def recorded() -> LineTests:
-    """Which tests run which lines; recorded once, on all cores, in some 15 minutes."""
+    """Which tests run which lines; recorded once, on all cores."""
     if not SOURCES.is_dir():
         files = sorted(
             (ROOT / "tests" / "python").rglob("test_*.py"), key=lambda f: f.stat().st_size

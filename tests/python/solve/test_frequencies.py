@@ -46,8 +46,8 @@ def test_the_error_is_covered() -> None:
         off = abs(lines.frequency[0] - frequency[0])
         covered += off <= lines.error[0]
         sharp += lines.error[0] < 1e-3 * 2.0 * np.pi / 300.0
-    assert covered >= 49
-    assert sharp >= 49
+    assert covered == 50
+    assert sharp == 50
 
 
 def test_several_lines_are_found_without_each_other() -> None:
