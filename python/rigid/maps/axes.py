@@ -98,7 +98,10 @@ def make_axes(axes: Mapping[str, ArrayLike], own: Container[str] = ()) -> tuple[
 def check_axis_name(name: str) -> None:
     """Raise ValueError if no parameter of a map has this name."""
     if name not in PARAMETERS:
-        raise ValueError(f"axes: unknown parameter {brief(name)}{of_known(name, PARAMETERS)}")
+        raise ValueError(
+            f"axes: unknown parameter {brief(name)}{of_known(name, PARAMETERS)}; for a parameter "
+            "of yours give a function of it that returns the scene, instead of the scene"
+        )
 
 
 def _axis(name: str, values: ArrayLike, own: bool) -> Axis:

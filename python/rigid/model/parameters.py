@@ -75,7 +75,7 @@ class Parameter:
             below, above = self.gap
             return f"must lie in [{self.lowest:.6g}, {below:g}] or [{above:g}, {self.highest:.6g}]"
         if self.highest < np.inf:
-            return f"must lie in [{self.lowest:.6g}, {self.highest:.6g}]"
+            return f"must lie in [{self.lowest:.6g}, {self.highest:.6g}] ({self.unit})"
         if self.lowest > 0.0:
             return f"must be at least {self.lowest:g}"
         return "must be positive" if self.open_end else "must not be negative"

@@ -149,6 +149,7 @@ REFUSED: list[tuple[Any, ...]] = [
     ),
     (run([1j, 0, 0]), TypeError, ["omega = [1j, 0, 0]: must be real numbers, got complex128"]),
     (run(None), TypeError, ["omega = None: must be real numbers, got object"]),
+    (run(FREE), TypeError, ["omega = FreeBody(", ": must be real numbers, got object"]),
     # Attitude.
     (run(RATES, [0, 0, 0, 0]), ["attitude", "[0.0, 0.0, 0.0, 0.0]: a zero quaternion"]),
     (run(RATES, [[1, 0, 0, 0], [0, 0, 0, 0]]), ["attitude[1] = [0.0, 0.0, 0.0, 0.0]: a zero "]),
