@@ -15,6 +15,7 @@ from .. import _core
 from .._checks.arguments import brief, one_of, one_time, resolve_threads
 from .._checks.arrays import Floats, finite_array
 from .._checks.progress import ProgressOption
+from .._checks.shown import counted
 from ..drawing.colours import AXES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_text, html_with_picture
 from ..model.batch import Shape, in_rows
@@ -213,7 +214,7 @@ class Run(Result):
 
     def __repr__(self) -> str:
         """Size, method, largest known error, and how many bodies ended how."""
-        times = f"{len(self.t.T):,} time{'' if len(self.t.T) == 1 else 's'}"
+        times = counted(len(self.t.T), "time")
         worst = float(np.fmax.reduce(np.ravel(self.error), initial=np.nan))
         error = "error unknown" if np.isnan(worst) else f"error {worst:.1e}"
         if self.status.ndim == 0:
@@ -224,7 +225,7 @@ class Run(Result):
             f"{count:,} {self._named(code)}"
             for code, count in zip(codes.tolist(), counts.tolist(), strict=True)
         ]
-        bodies = f"{self.status.size:,} bod{'y' if self.status.size == 1 else 'ies'}"
+        bodies = counted(self.status.size, "body", "bodies")
         parts = [f"{bodies} at {times}", self.spec["method"], error]
         return f"Run({'; '.join(parts)}; {', '.join(ends) or 'nothing'})"
 
