@@ -66,7 +66,8 @@ class Orbit(ByValue):
         Unit vector about which the body goes around, in space.
     periapsis : array_like, shape (3,) or (..., 3)
         Unit vector from the planet to the periapsis, in space, at right angles to ``normal``. On a
-        circle it is where the body is at the anomaly 0.
+        circle it is where the body is at the anomaly 0. Of the elements Ω, i, ω (rad), ``normal``
+        and ``periapsis`` are columns 3 and 1 of ``rigid.rotations.euler_to_matrix([Ω, i, ω])``.
     true_anomaly : float or array_like, shape (...), optional
         Angle from the periapsis at ``t = 0`` (rad), instead of ``anomaly``. On a hyperbola it is
         within the asymptotes, ``cos f > -1/e``.
@@ -101,6 +102,14 @@ class Orbit(ByValue):
     >>> run = rigid.simulate(scene, [0.0, 0.0, 1.001], t=[0.0, period], accuracy=1e-9)
     >>> [round(rate, 6) for rate in run.omega[-1].tolist()]
     [0.0, 0.0, 1.001]
+
+    An orbit of the Earth by its semi-major axis (m) and its elements:
+
+    >>> axes = rigid.rotations.euler_to_matrix(np.radians([20.0, 97.4, 0.0]))  # Ω, i, ω
+    >>> n = np.sqrt(3.986004e14 / 6.878e6**3)
+    >>> orbit = rigid.Orbit(n, eccentricity=0.001, normal=axes[:, 2], periapsis=axes[:, 0])
+    >>> round(float(orbit.period) / 60.0, 1)  # min
+    94.6
     """
 
     rate: float | Floats
