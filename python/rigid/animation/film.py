@@ -474,7 +474,7 @@ def _top(one: Recording, solid: Floats | None) -> tuple[Part, ...]:
     inks: tuple[str, ...] = (BODY,)
     tip, path = 1.0, "path of the axis through the centre of mass"
     if solid is None:
-        solid = top_faces(direction, _spread(one.moments), sectors=48)
+        solid = top_faces(direction, _spread(one.moments))
         inks, tip = (BODY,) * 6 + (AXES[0],) * 6, STEM
     turn = np.linspace(0.0, 2.0 * np.pi, 49)
     ring = np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)  # marks the fixed point

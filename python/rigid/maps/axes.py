@@ -37,8 +37,10 @@ class Axis:
 
     @property
     def parameter(self) -> Parameter:
-        """The row of :data:`PARAMETERS` that the axis varies."""
-        return _own_parameter(self.name) if self.own else PARAMETERS[self.name]
+        """The row of :data:`PARAMETERS` that the axis varies, or the argument of the function."""
+        if not self.own:
+            return PARAMETERS[self.name]
+        return Parameter(self.name, "1", "argument of the function of the scene", "function")
 
     @property
     def unit(self) -> str:
@@ -68,11 +70,6 @@ class Axis:
         space = "" if unit == "1" else f" {unit}"
         count = f"{len(self.values)} values{', geometric' if self.geometric else ''}"
         return f"{self.name} from {self.values[0]:g} to {self.values[-1]:g}{space} ({count})"
-
-
-def _own_parameter(name: str) -> Parameter:
-    """The parameter of a function that makes the scene."""
-    return Parameter(name, "1", "argument of the function of the scene", "function")
 
 
 def make_axes(axes: Mapping[str, ArrayLike], own: Container[str] = ()) -> tuple[Axis, ...]:

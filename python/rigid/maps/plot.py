@@ -98,10 +98,10 @@ class View:
 def plot_map(
     data: MapData,
     *,
-    ax: Axes | None = None,
-    cells: bool = False,
-    what: str = SHARE,
-    at: Mapping[str, float] | None = None,
+    ax: Axes | None,
+    cells: bool,
+    what: str,
+    at: Mapping[str, float] | None,
 ) -> Axes | NDArray[np.object_]:
     """Draw a stability map: colour for the share of stable bodies, hatches where it misleads.
 

@@ -18,7 +18,6 @@ from .._checks.moments import (
     hold_rods,
     possible_moments,
     refuse_rods,
-    refuse_tensor,
     rods,
     symmetric_tensor,
     symmetry_axis,
@@ -937,9 +936,7 @@ def _checked_moments(value: ArrayLike, physical: bool) -> Moments:
     array = numbers("moments", value)
     if not array.ndim or array.shape[-1] != 3:
         raise ValueError(f"moments: expected shape (3,) or (..., 3), got {array.shape}")
-    refuse_tensor("moments", array)
-    moments = checked_moments("moments", array, physical)
-    return vector_of(moments)
+    return vector_of(checked_moments(array, physical))
 
 
 def _checked_mass(value: ArrayLike, shape: Shape) -> float | Floats:

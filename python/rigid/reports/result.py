@@ -84,7 +84,7 @@ class Report(ReportData):
         >>> result.plot().shape
         (2, 3)
         """
-        return plot_report(self, ax=ax)
+        return plot_report(self, ax)
 
     def __str__(self) -> str:
         return report_text(self)

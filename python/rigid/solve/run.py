@@ -381,11 +381,7 @@ class Run(Result):
     @property
     def flagged(self) -> NDArray[np.bool_]:
         """Whether the estimated error is above the requested accuracy, or 1 or more without one."""
-        return np.asarray(self.error) >= self._limit
-
-    @property
-    def _limit(self) -> float:
-        return error_limit(self.spec["accuracy"])
+        return np.asarray(self.error) >= error_limit(self.spec["accuracy"])
 
     def reasons(self) -> tuple[Any, ...]:
         """A sentence for each body: how its computation ended, and the remedy if it failed.
