@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import finite_float, first_place, numbers, of_shape, shaped
-from .._checks.arrays import UNIT, AttitudeLike, Floats, attitudes, unit_vectors, vectors
+from .._checks.arrays import UNIT, AttitudeLike, Floats, attitudes, require, unit_vectors, vectors
 from ..rotations import matrix_to_quaternion
 from ..rotations.apply import to_body
 from ..rotations.quaternions import product_of_checked
@@ -219,7 +219,8 @@ class Orbit(ByValue):
         Raises
         ------
         ValueError
-            If ``gm``, ``periapsis`` or ``speed`` is not positive, or as for :class:`Orbit`.
+            If ``gm``, ``periapsis`` or ``speed`` is not positive, or they give no hyperbola of this
+            class, as in different units; or as for :class:`Orbit`.
 
         Examples
         --------
@@ -235,7 +236,15 @@ class Orbit(ByValue):
         fast = shaped("speed", speed, positive=True, unit="m/s")
         passage = shaped("time", time, unit="s")
         rate, plane = fast**3 / mu, _plane(normal, towards, "towards")
-        return cls(rate, 1.0 + nearest * fast**2 / mu, -rate * passage, *plane)
+        e, (least, largest) = 1.0 + nearest * fast**2 / mu, HYPERBOLA
+        require(
+            "eccentricity",
+            e,
+            (e >= least) & (e <= largest),
+            f"1 + periapsis speed² / gm must lie in [{least}, {largest:g}]; are the lengths and "
+            "times of gm, periapsis and speed in the same units?",
+        )
+        return cls(rate, e, -rate * passage, *plane)
 
     @staticmethod
     def table(t: ArrayLike, positions: ArrayLike, gm: float) -> OrbitTable:

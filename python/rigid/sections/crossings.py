@@ -233,7 +233,7 @@ class Crossings(Points, Result):
         Parameters
         ----------
         x, y : str
-            Columns, as in :meth:`component`.
+            Columns, as in :meth:`component`; of a moon at its periapsis ``"angle1"``, ``"omega3"``.
         ax : matplotlib Axes, optional
             By default the axes of a new figure.
         size : float
