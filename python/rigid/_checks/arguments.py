@@ -8,6 +8,7 @@ import os
 import re
 from collections.abc import Iterable
 from numbers import Real
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -181,6 +182,13 @@ def first_place(bad: NDArray[np.bool_]) -> tuple[tuple[int, ...], str]:
     return index, str(list(index)) if index else ""
 
 
+def require(name: str, array: NDArray[Any], good: NDArray[np.bool_], rule: str) -> None:
+    """Raise for the first element that breaks the rule."""
+    if not good.all():
+        index, place = first_place(~good)
+        raise ValueError(f"{name}{place} = {array[index]}: {rule}")
+
+
 def shaped(
     name: str,
     value: ArrayLike,
@@ -214,13 +222,10 @@ def of_shape(
         wanted = ", ".join("N" if want is None else str(want) for want in shape)
         raise ValueError(f"{name}: expected shape (..., {wanted}), got {array.shape}")
     _finite(name, array)
-    if not (positive or nonnegative):
-        return array
-    bad = array <= 0.0 if positive else array < 0.0
-    if np.any(bad):
-        index, place = first_place(bad)
-        rule = "must be positive" if positive else "must not be negative"
-        raise ValueError(f"{name}{place} = {array[index]}: {rule}")
+    if positive:
+        require(name, array, array > 0.0, "must be positive")
+    elif nonnegative:
+        require(name, array, array >= 0.0, "must not be negative")
     return array
 
 
@@ -244,7 +249,7 @@ def together(**arrays: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
         raise ValueError(f"{shapes}: the shapes do not broadcast") from None
 
 
-def vectors(**arguments: ArrayLike) -> tuple[NDArray[np.float64], ...]:
+def vectors_together(**arguments: ArrayLike) -> tuple[NDArray[np.float64], ...]:
     """The arguments as finite arrays of shape ``(..., 3)``, broadcast against each other."""
     return together(**{name: shaped(name, value, 3) for name, value in arguments.items()})
 

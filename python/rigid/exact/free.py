@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arrays import Floats, require, vectors
+from .._checks.arguments import require
+from .._checks.arrays import Floats, vectors
 from .._checks.moments import without_spin
 from .._checks.shown import short_repr
 from ..model.batch import batch_shape, in_rows, rows_of_each

@@ -8,8 +8,8 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import first_place, one_of, shaped
-from .._checks.arrays import Floats, require, unit_vectors, vectors
+from .._checks.arguments import first_place, one_of, require, shaped
+from .._checks.arrays import Floats, unit_vectors, vectors
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
 from ..model.body import Body

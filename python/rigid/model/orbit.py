@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _core
-from .._checks.arguments import finite_float, first_place, numbers, of_shape, shaped
-from .._checks.arrays import UNIT, AttitudeLike, Floats, attitudes, require, unit_vectors, vectors
+from .._checks.arguments import finite_float, first_place, numbers, of_shape, require, shaped
+from .._checks.arrays import UNIT, AttitudeLike, Floats, attitudes, unit_vectors, vectors
 from ..rotations import matrix_to_quaternion
 from ..rotations.apply import to_body
 from ..rotations.quaternions import product_of_checked

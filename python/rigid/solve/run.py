@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, one_of, one_time, resolve_threads
-from .._checks.arrays import Floats, finite_array
+from .._checks.arguments import brief, one_of, one_time, resolve_threads, shaped
+from .._checks.arrays import Floats
 from .._checks.progress import ProgressOption
 from .._checks.shown import counted
 from ..drawing.colours import AXES, on_ground
@@ -437,7 +437,7 @@ an accuracy
         >>> run.at([50.0, 7.0])
         Run(one body at 2 times; exact; error 7.8e-14; ok)
         """
-        shape, given = self.status.shape, np.atleast_1d(finite_array("t", t))
+        shape, given = self.status.shape, np.atleast_1d(shaped("t", t))
         if given.ndim > 1 and given.shape[:-1] != shape:
             raise ValueError(
                 f"t: expected shape (k,) or {(*shape, 'k')} for bodies of shape {shape}, "
