@@ -142,7 +142,6 @@ class TiltBetween(Criterion):
 
     name: ClassVar[str] = "tilt_between"
     record: ClassVar[str] = "axis"
-    width: ClassVar[int] = 2
 
     low: float = checked(NOT_NEGATIVE)
     high: float = checked(checked_angle)
