@@ -123,17 +123,23 @@ def finite_float(
     return number
 
 
+def whole(name: str, value: object) -> int:
+    """``value`` as a whole number; True and False are none."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
+        raise TypeError(f"{name} = {brief(value)}: must be a whole number")
+    return int(value)
+
+
 def positive_int(name: str, value: object, *, minimum: int = 1) -> int:
     """``value`` as a whole number of at least ``minimum``."""
     if type(value) is int and minimum <= value < 2**63:
         return value
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
-        raise TypeError(f"{name} = {brief(value)}: must be a whole number")
-    if value < minimum:
+    number = whole(name, value)
+    if number < minimum:
         raise ValueError(f"{name} = {brief(value)}: must be at least {minimum}")
-    if value >= 2**63:
+    if number >= 2**63:
         raise ValueError(f"{name} = {brief(value)}: must be below 2**63")
-    return int(value)
+    return number
 
 
 def numbers(name: str, value: ArrayLike, unit: str | None = None) -> NDArray[np.float64]:

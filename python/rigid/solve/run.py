@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, one_of, one_time, resolve_threads, shaped
+from .._checks.arguments import brief, one_of, one_time, resolve_threads, shaped, whole
 from .._checks.arrays import Floats
 from .._checks.progress import ProgressOption
 from .._checks.shown import counted
@@ -896,12 +896,10 @@ an accuracy
         bodies = len(self.status)
         if body is None and bodies != 1:
             raise ValueError(f"body = None: the run has {bodies} bodies, choose one by its index")
-        index = 0 if body is None else body
-        if isinstance(index, bool) or not isinstance(index, (int, np.integer)):
-            raise TypeError(f"body = {brief(body)}: must be a whole number")
+        index = 0 if body is None else whole("body", body)
         if not -bodies <= index < bodies:
             raise ValueError(f"body = {brief(body)}: the run has {bodies} bodies")
-        return (int(index),)
+        return (index,)
 
 
 def scene_of(run: object, body: int | None = None) -> Scene:
