@@ -123,6 +123,13 @@ def finite_float(
     return number
 
 
+def truth(name: str, value: object) -> bool:
+    """True or False."""
+    if not isinstance(value, bool):
+        raise TypeError(f"{name} = {brief(value)}: must be True or False")
+    return value
+
+
 def whole(name: str, value: object) -> int:
     """``value`` as a whole number; True and False are none."""
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)):

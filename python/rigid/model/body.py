@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, finite_float, first_place, numbers, shaped, vector
+from .._checks.arguments import brief, finite_float, first_place, numbers, shaped, truth, vector
 from .._checks.arrays import Floats
 from .._checks.moments import (
     box_moments,
@@ -134,9 +134,7 @@ takes such moments as they are
         sides: ArrayLike | None = None,
         physical: bool = True,
     ) -> None:
-        if not isinstance(physical, bool):
-            raise TypeError(f"physical = {brief(physical)}: must be True or False")
-        checked = _checked_moments(moments, physical)
+        checked = _checked_moments(moments, truth("physical", physical))
         shape = np.shape(checked)[:-1]
         set_field = object.__setattr__  # the dataclass is frozen
         set_field(self, "moments", checked)
