@@ -194,14 +194,13 @@ class Crossings(Points, Result):
             np.bincount(body, minlength=bodies).reshape(shape)
             for body in (self.body, self.body[self.grazing])
         )
-        columns = (self.complete, self.stays, self.status, self.end, self.lost_from)
+        columns = (self.stays, self.status, self.end, self.lost_from)
         return sentences(self._words, counts, grazing, *columns)
 
     def _words(
         self,
         count: int,
         grazing: int,
-        complete: bool,
         stays: bool,
         status: int,
         end: float,
