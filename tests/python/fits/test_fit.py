@@ -430,19 +430,27 @@ def test_a_sigma_for_each_time_and_with_a_unit() -> None:
     assert np.allclose(with_unit.std, one.std, rtol=1e-6)
 
 
-def test_progress_counts_measurements_and_ctrl_c_ends_a_fit() -> None:
+def test_progress_counts_measurements_and_what_its_user_raises_ends_a_fit() -> None:
+    """Numbers of the fit that overflow are refused; numbers and errors of the user are its own."""
     told: list[rigid.Progress] = []
+
+    def count(progress: rigid.Progress) -> None:
+        told.append(progress)
+        assert np.divide(progress.done, 0.0) == np.inf
+
     given: Any = {"omega": measured(BODY, 0.01, 6), "sigma": 0.01, "free": RATIOS}
-    rigid.fit(BODY, T, **given, progress=told.append)
+    with np.errstate(divide="ignore"):
+        rigid.fit(BODY, T, **given, progress=count)
     done = [one.done for one in told]
     assert done == sorted(done)
     assert done[-1] == told[-1].total == 150
+    for error in (KeyboardInterrupt, FloatingPointError, OverflowError):
 
-    def press_ctrl_c(_: rigid.Progress) -> None:
-        raise KeyboardInterrupt
+        def fails(_: rigid.Progress, error: type[BaseException] = error) -> None:
+            raise error("own")
 
-    with pytest.raises(KeyboardInterrupt):
-        rigid.fit(BODY, T, **given, progress=press_ctrl_c)
+        with pytest.raises(error, match="own"):
+            rigid.fit(BODY, T, **given, progress=fails)
 
 
 def test_a_sigma_with_a_unit() -> None:
