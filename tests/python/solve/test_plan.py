@@ -342,6 +342,16 @@ def test_a_method_or_a_step_that_is_asked_for_is_taken() -> None:
     assert "closed form: step = 0.25 is not needed" in run.plan.left_out
 
 
+@pytest.mark.parametrize("record", RECORDS)
+@pytest.mark.parametrize("method", [None, "exact"])
+@pytest.mark.parametrize("scene", [FREE, SYMMETRIC, SPHERE, LAGRANGE])
+def test_a_closed_form_is_taken_for_the_reason_that_is_planned(
+    scene: Scene, method: str | None, record: str
+) -> None:
+    run = rigid.simulate(scene, RATES, t=[5.0], record=record, method=method)
+    assert rigid.plan(scene, record, omega=RATES, t_end=5.0, method=method).why == run.plan.why
+
+
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 @pytest.mark.parametrize("scene", [FREE, SYMMETRIC, SPHERE, LAGRANGE, lagrange(2, -1.0), HEAVY])
 def test_the_steps_that_are_planned_are_taken(scene: Scene, method: rigid.Method) -> None:
