@@ -267,6 +267,10 @@ class Motion:
             raise ValueError("torque: could spin a rod about its axis, where it has no moment")
         if torque is not None and (self._frame is not None or not _is_plain(torque)):
             torque = rows("torque", torque, 3)[0]
+            if len(self._bodies) and not len(torque):  # which would be no torque to the core
+                raise ValueError(
+                    f"torque: expected shape (3,) or ({len(self._bodies)}, 3), got (0, 3)"
+                )
             if self._frame is not None:
                 torque = turned(self._frame.T, torque)
         angle = self._core.step(dt, torque)
@@ -334,4 +338,6 @@ def _rebuilt(
 
 def _is_plain(torque: ArrayLike) -> bool:
     """Whether the core can read the torque without a check, which would take as long as a step."""
-    return isinstance(torque, tuple) and all(isinstance(part, float) for part in torque)
+    if not isinstance(torque, tuple) or len(torque) != 3:
+        return False
+    return all(isinstance(part, float) for part in torque)

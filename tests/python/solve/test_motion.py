@@ -343,6 +343,13 @@ test_refused = refuses(
         (stepped(torque=(1.0, math.inf, 2.0)), "torque = inf: must be finite"),
         (stepped(torque=np.ones((2, 3))), "torque: expected shape (3,) or (3, 3), got (2, 3)"),
         (stepped(torque=[1.0, 2.0]), "torque: expected shape (3,) or (n, 3), got (2,)"),
+        (stepped(torque=(1.0, 2.0)), "torque: expected shape (3,) or (n, 3), got (2,)"),
+        (stepped(torque=[]), "torque: expected shape (3,) or (3, 3), got (0, 3)"),
+        (stepped(torque=()), "torque: expected shape (3,) or (3, 3), got (0, 3)"),
+        (
+            lambda: rigid.Motion(SCENES["free"], START).step(STEP, []),
+            "torque: expected shape (3,) or (1, 3), got (0, 3)",
+        ),
         (
             stepped(torque=TORQUES[0], method="chin4a"),
             "method = 'chin4a': moves bodies without torque and damping only",
