@@ -308,6 +308,12 @@ def test_a_covariance_may_have_directions_without_noise() -> None:
     assert np.std(deviates @ along) > 1e-3
 
 
+def test_a_component_of_a_covariance_may_have_no_variance() -> None:
+    assert rigid.normal(cov=np.diag([4.0, 0.0, 1.0])).cov == ((4, 0, 0), (0, 0, 0), (0, 0, 1))
+    # Of a single direction, to rounding.
+    assert rigid.normal(cov=np.outer([0.1, 0.3, 0.7], [0.1, 0.3, 0.7]))
+
+
 def test_tables_say_a_covariance() -> None:
     text = map_text(
         scene=FREE,
@@ -326,6 +332,9 @@ test_matrices_that_are_no_covariance = refuses(
         ([[1, 2, 0], [2, 1, 0], [0, 0, 1]], "cov: must be positive semi-definite"),
         ([[0, 1, 0], [1, 1, 0], [0, 0, 1]], "cov: must be positive semi-definite"),
         (-np.eye(3), "cov: must be positive semi-definite"),
+        # More than rounding, beside small variances.
+        ([[1, 1, 1e-9], [1, 1, 0], [1e-9, 0, 0]], "cov: must be positive semi-definite"),
+        ([[1, 1, 1e-8], [1, 1, 0], [1e-8, 0, 1e-6]], "cov: must be positive semi-definite"),
         (None, "size, cov: give one of the two to normal()"),
     ],
     literal=True,
