@@ -586,7 +586,8 @@ def test_the_least_energy_is_that_of_a_search_over_all_verticals(
 ) -> None:
     def effective(gamma: Floats) -> Floats:
         unit = gamma / np.linalg.norm(gamma, axis=-1, keepdims=True)
-        return unit @ np.array(com) + 0.5 * momentum**2 / (unit**2 @ np.array(moments))
+        kinetic = 0.5 * momentum**2 / (unit**2 @ np.array(moments))
+        return np.asarray(unit @ np.array(com) + kinetic)
 
     verticals = np.random.default_rng(1).normal(size=(2000, 3))
     begun = verticals[np.argsort(effective(verticals))[:4]]
