@@ -224,15 +224,15 @@ def of_shape(
     return array
 
 
-def rows(name: str, value: ArrayLike, width: int) -> tuple[NDArray[np.float64], bool]:
-    """``value`` as a finite contiguous array ``(n, width)``, and whether it was a single row."""
+def rows(name: str, value: ArrayLike, width: int) -> NDArray[np.float64]:
+    """``value``, one row or many, as a finite contiguous array ``(n, width)``."""
     array = numbers(name, value)
     if array.ndim not in (1, 2) or array.shape[-1] != width:
         if array.size == 0 and array.ndim < 2:
-            return np.empty((0, width)), False
+            return np.empty((0, width))
         raise ValueError(f"{name}: expected shape ({width},) or (n, {width}), got {array.shape}")
     _finite(name, array)
-    return np.ascontiguousarray(np.atleast_2d(array)), array.ndim == 1
+    return np.ascontiguousarray(np.atleast_2d(array))
 
 
 def together(**arrays: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:

@@ -266,7 +266,7 @@ class Motion:
         if torque is not None and self.scene.once(holds_rods):
             raise ValueError("torque: could spin a rod about its axis, where it has no moment")
         if torque is not None and (self._frame is not None or not _is_plain(torque)):
-            torque = rows("torque", torque, 3)[0]
+            torque = rows("torque", torque, 3)
             if len(self._bodies) and not len(torque):  # which would be no torque to the core
                 raise ValueError(
                     f"torque: expected shape (3,) or ({len(self._bodies)}, 3), got (0, 3)"
