@@ -110,10 +110,11 @@ def on_surface(
 def least_energy(top: HeavyTop, l_gamma: float) -> float:
     """The least energy (J) of a top with this angular momentum L about the vertical.
 
-    The top turns about the vertical, whose components are opposite to those of the weight w. By
-    their squares y the energy ``L²/(2 Σ I_k y_k) - Σ |w_k| sqrt(y_k)`` is convex, so it has one
-    minimum: a rotation about an axis of Staude's cone, with ``sqrt(y_k)`` as
-    ``|w_k| / (x + 1 - I_k / max(I))`` for a number x > 0 that a monotonic equation determines.
+    The top turns about the vertical, and each component of the vertical has the opposite sign of
+    the weight w. The energy ``L²/(2 Σ I_k y_k) - Σ |w_k| sqrt(y_k)`` is a convex function of the
+    squares y of the components, so it has one minimum, a rotation about an axis of Staude's cone:
+    ``sqrt(y_k)`` is proportional to ``|w_k| / (x + 1 - I_k / max(I))``, where a monotonic equation
+    determines x > 0.
     """
     moments, weight = np.array(top.body.moments), np.abs(np.reshape(top.weight, 3))
     largest, heaviest = moments.max(), weight.max()
