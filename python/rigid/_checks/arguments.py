@@ -243,7 +243,7 @@ def of_shape(
 
 
 def rows(name: str, value: ArrayLike, width: int) -> NDArray[np.float64]:
-    """``value`` as a finite contiguous array ``(n, width)``, of one row or more."""
+    """``value``, one row or many, as a finite contiguous array ``(n, width)``."""
     array = numbers(name, value)
     if array.ndim not in (1, 2) or array.shape[-1] != width:
         if array.size == 0 and array.ndim < 2:

@@ -235,7 +235,8 @@ def asymmetric_free_top(
     >>> round(float(top.period), 12), int(top.axis)
     (5.251429794838, 3)
     """
-    moments, rates = np.broadcast_arrays(moments_of(body), vectors("omega", omega))
+    unit, _ = of_size_one(moments_of(body))  # their ratios alone matter
+    moments, rates = np.broadcast_arrays(unit, vectors("omega", omega))
     shape = moments.shape[:-1]
     flat = np.ascontiguousarray(moments.reshape(-1, 3)), np.ascontiguousarray(rates.reshape(-1, 3))
     values = _core.free_quantities(moments=flat[0], omega=flat[1])
