@@ -269,6 +269,16 @@ def test_differences_of_one_map_are_told_by_column(tmp_path: Path) -> None:
     assert str(rigid.diff(tmp_path / "quiet", tmp_path / "quiet")) == "no difference"
 
 
+def test_a_pixel_of_fewer_bodies_is_no_other_number(tmp_path: Path) -> None:
+    """A part has the first bodies of a pixel: their counts are others than those of all."""
+    asked: dict[str, Any] = {"axes": {"noise": [0.01]}, "samples": 5000}
+    whole = small_map(**asked)
+    part = small_map(store=tmp_path / "part", part=(1, 3), **asked)
+    assert 0 < part.samples[0] < 5000
+    assert rigid.diff(part, whole).numbers == ["1 pixels have more bodies in the second"]
+    assert rigid.diff(whole, part).numbers == ["1 pixels have more bodies in the first"]
+
+
 def test_differences_of_two_maps_are_told_by_their_intervals() -> None:
     one, two, shorter = small_map(rng=1), small_map(rng=2), small_map(t_end=2.0)
     found = rigid.diff(one, two)
