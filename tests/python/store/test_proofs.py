@@ -163,8 +163,10 @@ def test_without_a_seed_the_one_of_the_folder_is_kept(tmp_path: Path) -> None:
 
 def test_a_title_is_no_part_of_the_key(tmp_path: Path) -> None:
     go_on(tmp_path / "run")
-    result = rigid.stability_map(**request(store=tmp_path / "run", title="Another"))
+    asked = request(store=tmp_path / "run", title="Another", time_unit="min")
+    result = rigid.stability_map(**asked)
     assert result.complete
+    assert (result.spec.title, result.spec.time_unit) == ("Another", "min")
     assert len(list((tmp_path / "run" / "logs").iterdir())) == 1
 
 
