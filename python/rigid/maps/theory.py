@@ -440,10 +440,15 @@ def _fall(spec: MapSpec, top: _Top, k: int) -> Predicted:
     known &= (spec.grid.tilt == 0.0) & ~others.any(axis=(1, 2))
     bound = np.log(np.abs(axial * spin) / (2.0 * np.sqrt(mgl * cross))) * axial / c
     lag = falling_lag(mgl, cross, axial, c, limit / (1e-3 * size))
-    # A tilt of a thousandth of the noise or less is drawn once in two million samples.
-    share = np.where(spec.t_end < bound, 1.0, np.nan)
-    share = np.where(spec.t_end > np.maximum(bound, 0.0) + 2.0 * lag, 0.0, share)
-    # Nutation before the bound: the noise must be far below the limit.
+    # Before the bound a tilt swings out to its nutation, which grows as the spin falls.
+    left = np.abs(spin) * np.exp(-c * spec.t_end / axial)
+    slowing = _nutation_rate(np.abs(spin), top) * _nutation_rate(left, top)
+    swing = NORMAL_REACH * size * axial * np.abs(spin) / (2.0 * cross * np.sqrt(slowing))
+    share = np.where((spec.t_end < bound) & (swing < limit), 1.0, np.nan)
+    # A tilt of a thousandth of the noise or less is drawn once in two million samples. A large
+    # limit is reached when the spin has fallen further: until a = 1 + cos(limit).
+    further = 0.5 * axial / c * math.log(2.0 / (1.0 + math.cos(limit)))
+    share = np.where(spec.t_end > np.maximum(bound, 0.0) + 2.0 * lag + further, 0.0, share)
     share = np.where(known & (6.0 * size < limit), share, np.nan)
     half = falling_lag(mgl, cross, axial, c, limit / (RAYLEIGH_HALF * size))
     until, angle = spec.horizon, angle_words(limit)
@@ -455,6 +460,12 @@ def _fall(spec: MapSpec, top: _Top, k: int) -> Predicted:
     words = "no fall before the onset, all fallen two lags later"
     label = f"quasi-static spin-down until {until} ({words})"
     return label, share, curves
+
+
+def _nutation_rate(spin: Floats, top: _Top) -> Floats:
+    """Rate (rad/s) of the small nutations of tops that sleep; NaN of others."""
+    rate: Floats = np.sqrt((top.axial * spin) ** 2 - 4.0 * top.mgl * top.cross) / (2.0 * top.cross)
+    return rate
 
 
 def falling_lag(mgl: Floats, cross: Floats, axial: Floats, c: Floats, growth: Floats) -> Floats:
