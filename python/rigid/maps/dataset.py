@@ -63,7 +63,7 @@ def map_table(data: MapData) -> dict[str, NDArray[Any]]:
 
 
 def _free_name(name: str, taken: Collection[str]) -> str:
-    """The name of an axis: that of an argument of a function of the user may be one of a column."""
+    """The name of an axis, also where an argument of the user's function is called as a column."""
     return f"axis_{name}" if name in taken else name
 
 

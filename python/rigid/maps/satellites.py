@@ -4,10 +4,11 @@ Free body with an energy sink, spinning about its axis of the smallest moment, *
     The energy falls slowly against the nutation, at constant L. By the mean over a nutation of
     ``dE/dt = -omega'·P omega'`` it reaches the separatrix at a time after which the rate about the
     axis changes its sign within about half a nutation. The prediction is 1 before that time less a
-    tenth, and 0 after it and a tenth, for the largest and the smallest noise that is likely; and a
-    period of small nutations before, about the axis, or after, about that of the largest moment. The
-    time grows as the smallest moment comes near to the middle one, until the separatrix is so near
-    to the axis that the noise begins beside it; then it falls.
+    tenth, and 0 after it and a tenth, for the largest and the smallest noise that is likely. A
+    period of small nutations is kept free, too: before it of those about the axis, after it of
+    those about the axis of the largest moment. The time grows as the smallest moment comes near to
+    the middle one, until the separatrix is so near to the axis that the noise begins beside it;
+    then it falls.
 
 Satellite at rest on a circular orbit, criterion *tilt of the pitch axis from the normal*
     Axis 1 (roll) lies along the motion, axis 2 (pitch) along the normal, axis 3 (yaw) along the
