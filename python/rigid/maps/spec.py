@@ -250,6 +250,11 @@ class MapSpec:
         ):
             if count >= 2**63:
                 raise ValueError(f"{name} = {getattr(self, name)}: too many to count")
+        if self.refine is not None and len(self.axes) > 2:
+            raise ValueError(
+                f"refine = {self.refine}: a map of {len(self.axes)} axes has no cells; give one "
+                "or two axes, or a budget"
+            )
         if self.half_width is not None:
             last = stop_table(self.half_width).last
             if self.samples != last:
