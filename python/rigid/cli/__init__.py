@@ -218,13 +218,13 @@ def _finished_map(
 
 def _explore(options: argparse.Namespace) -> int:
     source = Path(options.map)
-    target = Path(options.out or source.with_suffix(".html"))
     if not source.exists() and options.map in names_of("map"):
         saved = source.with_name(f"{source.name}.npz")
         hint = f"did you mean {saved}?" if saved.exists() else f"compute it: rigid map {source}"
         raise ValueError(f"{source}: is a built-in map and no file; {hint}")
     require_readable(source)
     result = load_map(source)
+    target = Path(options.out or source.with_suffix(".html"))
     require_new(target, "--out", force=options.force)
     page = result.explore(target, samples=options.samples, threads=options.threads, saved_as=source)
     tell({"page": str(page)})
@@ -234,10 +234,12 @@ def _explore(options: argparse.Namespace) -> int:
 def _resume(options: argparse.Namespace) -> int:
     from ..store.store import open_store
 
-    stem = Path(options.store.rstrip("/")).with_suffix("")
-    target = target_of(options.out, str(stem), ".npz", force=options.force)
     require_readable(options.store)
-    result = computed(options, open_store(options.store).resume)
+    store, folder = open_store(options.store), Path(options.store)
+    # The files are beside the folder, also if it is called . or ..
+    stem = (folder if folder.name.strip(".") else folder.resolve()).with_suffix("")
+    target = target_of(options.out, str(stem), ".npz", force=options.force)
+    result = computed(options, store.resume)
     return _finished_map(result, target, stem.name, options)
 
 

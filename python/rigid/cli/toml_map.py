@@ -213,11 +213,14 @@ def _axis(name: str, values: ArrayLike, words: Mapping[str, str]) -> Axis:
 
 def _spaced(first: float, last: float, count: int, logarithmic: bool) -> list[float]:
     """Evenly spaced values, correctly rounded so that they are the same on every machine."""
-    with localcontext() as context:
-        context.prec = 40
-        begin, end = Decimal(first), Decimal(last)
-        if logarithmic:
-            begin, end = begin.ln(), end.ln()
-        exact = [begin + (end - begin) * i / (count - 1) for i in range(1, count - 1)]
-        inner = [float(value.exp() if logarithmic else value) for value in exact]
-    return [first, *inner, last]
+    gaps, inner = count - 1, range(1, count - 1)
+    if logarithmic:
+        with localcontext() as context:
+            context.prec = 40
+            begin, end = Decimal(first).ln(), Decimal(last).ln()
+            exact = [(begin + (end - begin) * i / gaps).exp() for i in inner]
+        return [first, *map(float, exact), last]
+    # Over one denominator, because the quotient of two whole numbers is rounded once.
+    (a, b), (c, d) = first.as_integer_ratio(), last.as_integer_ratio()
+    between = [(a * d * (gaps - i) + b * c * i) / (b * d * gaps) for i in inner]
+    return [first, *between, last]

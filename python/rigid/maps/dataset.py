@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,10 +25,6 @@ if TYPE_CHECKING:
 def map_dataset(data: MapData) -> xarray.Dataset:
     """The map as an xarray Dataset; see :meth:`rigid.StabilityMap.to_xarray`."""
     spec = data.spec
-    coordinates: dict[str, Any] = {}
-    for axis in spec.axes:
-        name = axis.name.replace("/", "_over_")
-        coordinates[name] = (name, list(axis.values), _about(axis.name, axis.unit))
     columns = _columns(data)
     if refined(spec):
         words = f"share {spec.criterion}, interpolated where it is omitted"
@@ -35,6 +32,11 @@ def map_dataset(data: MapData) -> xarray.Dataset:
             ("stage", "", data.stage, _about("stage of refinement, 255: omitted")),
             ("share_filled", "", data.filled, _about(words)),
         ]
+    taken = [name for name, *_ in columns]
+    coordinates: dict[str, Any] = {}
+    for axis in spec.axes:
+        name = _free_name(axis.name.replace("/", "_over_"), taken)
+        coordinates[name] = (name, list(axis.values), _about(axis.name, axis.unit))
     dimensions = list(coordinates)[::-1]
     attributes = {
         "title": spec.title or "",
@@ -52,11 +54,17 @@ def map_dataset(data: MapData) -> xarray.Dataset:
 
 def map_table(data: MapData) -> dict[str, NDArray[Any]]:
     """The columns of a tidy table of the map, which broadcast to the grid."""
+    columns = {title: array for _, title, array, _ in _columns(data)}
     axes = {
-        axis.name: np.reshape(axis.values, (-1,) + (1,) * place)
+        _free_name(axis.name, columns): np.reshape(axis.values, (-1,) + (1,) * place)
         for place, axis in enumerate(data.spec.axes)
     }
-    return {**axes, **{title: array for _, title, array, _ in _columns(data)}}
+    return {**axes, **columns}
+
+
+def _free_name(name: str, taken: Collection[str]) -> str:
+    """The name of an axis, also where an argument of the user's function is called as a column."""
+    return f"axis_{name}" if name in taken else name
 
 
 def _columns(data: MapData) -> list[tuple[str, str, NDArray[Any], dict[str, Any]]]:

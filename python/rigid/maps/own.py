@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief
 from .._checks.arrays import Floats, attitudes, vectors
+from ..model.parameters import OF_RUN, PARAMETERS
 from ..model.scene import SCENES, Scene
 from ..model.sourced import Sourced
 from ..model.start import Start
@@ -52,6 +53,12 @@ class OwnScene:
                 raise ValueError(f"axes: the function {source.name!r} needs an axis {name!r}")
         if not names:
             raise ValueError(f"axes: none is an argument of the function {source.name!r}")
+        for name in names:
+            if name in PARAMETERS and PARAMETERS[name].place == OF_RUN:
+                raise ValueError(
+                    f"axes: {name!r} belongs to the map; call the argument of the function "
+                    f"{source.name!r} otherwise"
+                )
         return cls(names, source)
 
     def made(self, values: Mapping[str, Floats]) -> tuple[Scene, dict[str, Floats]]:

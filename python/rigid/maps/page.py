@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import operator
 import os
 import re
 from pathlib import Path
@@ -29,6 +28,7 @@ from .data import CLASSES, STATUS, MapData
 from .grid import Pixels
 from .job import requests
 from .plot import DASHES, View, cell_edges, fine_curves
+from .replay import whole
 from .samples import Outcomes, outcomes, starts
 from .spec import MapSpec
 from .theory import predict
@@ -57,7 +57,7 @@ def explore(
         require_ending(target, [".html"])
     most = data.spec.samples
     if samples is not None:
-        samples = operator.index(samples)
+        samples = whole("samples", samples)
         if not 1 <= samples <= most:
             raise ValueError(f"samples = {brief(samples)}: must lie in 1 .. {most}, as in the map")
     count = samples or _affordable(data)

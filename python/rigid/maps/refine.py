@@ -11,6 +11,7 @@ those before and the most that the next one may need fit. Pixels that stop early
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -81,7 +82,7 @@ def stages(spec: MapSpec, status: Grid, finished: Grid, bodies: Grid, ends: list
     ends : list of two ndarrays
         Lower and upper ends of the intervals.
     """
-    shape = spec.shape if len(spec.shape) == 2 else (1, *spec.shape)
+    shape = spec.shape if len(spec.shape) == 2 else (1, math.prod(spec.shape))
     possible, finished, bodies = (array.reshape(shape) for array in (status == 0, finished, bodies))
     lower, upper = (end.reshape(shape) for end in ends)
     kinds = status.reshape(shape)
@@ -91,7 +92,7 @@ def stages(spec: MapSpec, status: Grid, finished: Grid, bodies: Grid, ends: list
     new = np.zeros(shape, np.bool_)
     new[np.ix_(rows, columns)] = True
     every = np.arange(stage.size)
-    gap = lattice_level(shape, every).reshape(shape).astype(np.float64)
+    gap = lattice_level(spec.shape, every).reshape(shape).astype(np.float64)
     leaves, parents = [], cells
     for number in range(LEFT_OUT):
         pixels = np.flatnonzero(new & possible)

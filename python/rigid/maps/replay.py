@@ -8,7 +8,7 @@ import operator
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -170,7 +170,7 @@ def replay(
     """One body of a map again; see :meth:`rigid.StabilityMap.replay`."""
     spec = data.spec
     index = pixel_index(pixel, spec.shape)
-    number = operator.index(sample)
+    number = whole("sample", sample)
     if not 0 <= number < spec.samples:
         raise IndexError(f"sample = {brief(sample)}: must lie in 0 .. {spec.samples - 1}")
     if data.status[index]:
@@ -355,13 +355,21 @@ def _computed(spec: MapSpec, pixel: int, bodies: range) -> dict[str, Any]:
 def pixel_index(pixel: int | tuple[int, ...], shape: tuple[int, ...]) -> tuple[int, ...]:
     """The index of a pixel in arrays of this shape."""
     if isinstance(pixel, tuple):
-        index = tuple(operator.index(part) for part in pixel)
+        index = tuple(whole("pixel", part) for part in pixel)
         inside = len(index) == len(shape) and all(
             0 <= part < length for part, length in zip(index, shape, strict=True)
         )
     else:
-        inside = 0 <= operator.index(pixel) < math.prod(shape)
+        inside = 0 <= whole("pixel", pixel) < math.prod(shape)
         index = tuple(int(part) for part in np.unravel_index(pixel, shape)) if inside else ()
     if not inside:
         raise IndexError(f"pixel = {brief(pixel)}: lies outside the map of shape {shape}")
     return index
+
+
+def whole(name: str, value: SupportsIndex) -> int:
+    """A whole number, also of an array without axes."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} = {brief(value)}: must be a whole number") from None

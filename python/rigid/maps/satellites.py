@@ -4,9 +4,11 @@ Free body with an energy sink, spinning about its axis of the smallest moment, *
     The energy falls slowly against the nutation, at constant L. By the mean over a nutation of
     ``dE/dt = -omega'·P omega'`` it reaches the separatrix at a time after which the rate about the
     axis changes its sign within about half a nutation. The prediction is 1 before that time less a
-    tenth, and 0 after it and a tenth, for the largest and the smallest noise that is likely. The
-    time grows as the smallest moment comes near to the middle one, until the separatrix is so near
-    to the axis that the noise begins beside it; then it falls.
+    tenth, and 0 after it and a tenth, for the largest and the smallest noise that is likely. A
+    period of small nutations is kept free, too: before it of those about the axis, after it of
+    those about the axis of the largest moment. The time grows as the smallest moment comes near to
+    the middle one, until the separatrix is so near to the axis that the noise begins beside it;
+    then it falls.
 
 Satellite at rest on a circular orbit, criterion *tilt of the pitch axis from the normal*
     Axis 1 (roll) lies along the motion, axis 2 (pitch) along the normal, axis 3 (yaw) along the
@@ -70,18 +72,25 @@ def flat_spin(spec: MapSpec) -> Predicted | None:
     known &= (moments[:, across] > moments[:, [tested]]).all(axis=1)
     order = [tested, *across]
     sinks = np.array(sink.coefficient)[order]
-    least, most, half = np.full((3, len(moments)), np.nan)
+    reach = NORMAL_REACH * size[:, tested]
+    slow, fast = np.maximum(spin - reach, 0.0), spin + reach
+    latest, first, half = np.full((3, len(moments)), np.nan)
     places = np.flatnonzero(known)
     for rows in np.array_split(places, len(places) // BLOCK + 1):
         body, largest = moments[rows][:, order], size[rows].max(axis=1)
-        for time, rate in (
-            (least, 1e-3 * largest),
-            (most, NORMAL_REACH * largest),
-            (half, median_across(body, size[rows][:, across])),
+        for time, rates, rate, bound in (
+            (latest, (slow, fast), 1e-3 * largest, np.maximum),
+            (first, (slow, fast), NORMAL_REACH * largest, np.minimum),
+            (half, (spin,), median_across(body, size[rows][:, across]), np.minimum),
         ):
-            time[rows] = time_to_separatrix(body, sinks, spin[rows], rate)
-    share = np.where(spec.t_end < 0.9 * most, 1.0, np.nan)
-    share = np.where(spec.t_end > 1.1 * least, 0.0, share)
+            time[rows] = bound.reduce(
+                [time_to_separatrix(body, sinks, one[rows], rate) for one in rates]
+            )
+    i1, (i2, i3) = moments[:, tested], np.sort(moments[:, across], axis=1).T
+    before = math.tau / slow * np.sqrt(i2 * i3 / ((i2 - i1) * (i3 - i1)))
+    after = math.tau * i3 / (i1 * slow) * np.sqrt(i1 * i2 / ((i3 - i1) * (i3 - i2)))
+    share = np.where(spec.t_end < 0.9 * first - before, 1.0, np.nan)
+    share = np.where(spec.t_end > 1.1 * latest + after, 0.0, share)
     middle = moments[:, across].min(axis=1) / moments[:, tested] - 1.0
     curves = {f"axis {tested + 1} becomes the middle one": middle}
     curves |= {f"half pass the separatrix by {spec.horizon}": half / spec.t_end - 1.0}
@@ -151,7 +160,8 @@ def time_to_separatrix(moments: Floats, sink: Floats, spin: Floats, across: Floa
     begun = i3 * across[:, np.newaxis] ** 2 * (i3 - i1) / (i1 * whole)
     # Points in the logarithms of x and 1 - x: both ends are approached like exponentials.
     nodes, weights = np.polynomial.legendre.leggauss(48)
-    low, high = np.log(begun), 30.0
+    begun, high = np.minimum(begun, 1.0), 30.0  # beyond the separatrix there is no way left
+    low = np.minimum(np.log(begun) - np.log1p(-begun), high)
     place = low + (high - low) * 0.5 * (1.0 + nodes)
     x, rest = 1.0 / (1.0 + np.exp(-place)), 1.0 / (1.0 + np.exp(place))
     measure = 0.5 * (high - low) * weights * x * rest

@@ -222,7 +222,7 @@ class MapSpec:
         names = [axis.name for axis in self.axes]
         if self.own is not None:
             for start in self.start.starts:
-                self.own.check_start(start, names)
+                self.own.check_start(start, [axis.name for axis in self.axes if not axis.own])
         self._put("scene", self._started(self.scene))
         for name in arguments:
             if name not in names:
@@ -251,6 +251,11 @@ class MapSpec:
         ):
             if count >= 2**63:
                 raise ValueError(f"{name} = {getattr(self, name)}: too many to count")
+        if self.refine is not None and len(self.axes) > 2:
+            raise ValueError(
+                f"refine = {self.refine}: a map of {len(self.axes)} axes has no cells; give one "
+                "or two axes, or a budget"
+            )
         if self.half_width is not None:
             last = stop_table(self.half_width).last
             if self.samples != last:
@@ -604,7 +609,8 @@ class MapSpec:
     @property
     def varied(self) -> tuple[str, ...]:
         """The numbers of scene and start that axes set or that vary; a ratio sets its numerator."""
-        every: tuple[Axis | Varied, ...] = (*self.axes, *self.vary)
+        named = (axis for axis in self.axes if not axis.own)
+        every: tuple[Axis | Varied, ...] = (*named, *self.vary)
         return tuple(name for one in every for name in one.parameter.sets(one.name))
 
     def checked_before(self, count: int, first: NDArray[np.int64]) -> int | None:

@@ -22,7 +22,7 @@ from .words import own_unit
 def summary(data: MapData) -> str:
     """Summary of computation, largest drift, undecided samples and comparison with theory."""
     spec = data.spec
-    start = spec.start.describe([axis.name for axis in spec.axes])
+    start = spec.start.describe(spec.varied)
     lines = [
         ("scene", spec.scene_words.replace("rad/s", own_unit(spec, "rad/s"))),
         ("start", start.replace("rad/s", own_unit(spec, "rad/s"))),

@@ -23,7 +23,8 @@ Symmetric heavy top spinning about its own axis, criterion *tilt from the vertic
     bound the tilt ``x`` grows along the homoclinic orbit
     ``1 - cos x = (2 I1 g² / mgl) sech²(g (t - t0))``, ``g = sqrt(4 mgl I1 - (I3 w)²) / (2 I1)``. A
     top released so near the vertical that it does not reach the limit within the horizon counts as
-    stable. With normal noise of the attitude the tilt at release has a Rayleigh distribution.
+    stable. With normal noise of the attitude the tilt at release has a Rayleigh distribution. Above
+    the bound no fall is predicted of a horizon that ends before the nutation has turned round.
 
 Symmetric heavy top, damped only about its symmetry axis
     The spin decays as ``w exp(-c t / I3)``, and the weight has no moment about the axis. As long as
@@ -264,7 +265,8 @@ def _free_no_flip(spec: MapSpec) -> Predicted | None:
     towards_large = -_circulation(moments, farthest[:, 0], nearest[:, 2])
     keeps = ((place == 0) & (towards_small > 0.0)) | ((place == 2) & (towards_large > 0.0))
     margin = np.maximum(np.maximum(towards_small, towards_large), 0.0)
-    flips = ~keeps & (_half_period(moments, omega, margin) <= spec.t_end)
+    flips = ~keeps & (_half_period(moments, nearest, margin) <= spec.t_end)
+    flips &= (farthest > 0.0).sum(axis=1) > 1  # about a principal axis no rate changes
     keeps &= np.take_along_axis(nearest, place[:, np.newaxis], axis=1)[:, 0] > 0.0
     share = np.select([keeps, flips], [1.0, 0.0], np.nan)
     curves = {"separatrix": _separatrix(moments, omega, place)}
@@ -290,14 +292,16 @@ def _circulation(moments: Floats, w1: Floats, w3: Floats) -> Floats:
     return result
 
 
-def _half_period(moments: Floats, omega: Floats, margin: Floats) -> Floats:
+def _half_period(moments: Floats, least: Floats, margin: Floats) -> Floats:
     """Longest time between sign changes of a rate, for a distance ``margin`` from the separatrix.
+
+    ``least`` are the smallest sizes of the rates: the time falls with them and with the distance.
 
     The rates are Jacobi functions with argument ``p t``; half a period is ``2 K / p`` and the
     complementary parameter ``1 - m`` is formed from components.
     """
     i1, i2, i3 = moments.T
-    w1, w2, w3 = np.abs(omega).T
+    w1, w2, w3 = least.T
     above_small = i2 * (i2 - i1) * w2 * w2 + i3 * (i3 - i1) * w3 * w3  # L² - 2 E I1
     below_large = i1 * (i3 - i1) * w1 * w1 + i2 * (i3 - i2) * w2 * w2  # 2 E I3 - L²
     # Both orders of the two products are squares of p; the larger one belongs to the region.
@@ -413,7 +417,10 @@ def _nutation(spec: MapSpec, top: _Top) -> Predicted:
     )
     chance = -np.expm1(-0.5 * (critical / size) ** 2)
     share = np.where(size > 0.0, chance, tilt < critical)
-    share = np.where(known, share, np.nan)
+    # A top that sleeps passes no limit before its nutation has turned round.
+    turned = _half_nutation(momentum, mgl, cross, np.where(size > 0.0, critical, tilt))
+    early = (momentum >= bound) & (share < 1.0) & ~(turned <= spec.t_end)
+    share = np.where(known & ~np.isnan(critical) & ~early, share, np.nan)
     sleeping = np.where(symmetric, np.abs(axial * spin) / np.sqrt(bound) - 1.0, np.nan)
     curves = {"sleeping-top bound $\\omega_3 = 2\\sqrt{mgl\\,I_1}/I_3$": sleeping}
     released = np.where(size > 0.0, RAYLEIGH_HALF * size, tilt)
@@ -433,10 +440,15 @@ def _fall(spec: MapSpec, top: _Top, k: int) -> Predicted:
     known &= (spec.grid.tilt == 0.0) & ~others.any(axis=(1, 2))
     bound = np.log(np.abs(axial * spin) / (2.0 * np.sqrt(mgl * cross))) * axial / c
     lag = falling_lag(mgl, cross, axial, c, limit / (1e-3 * size))
-    # A tilt of a thousandth of the noise or less is drawn once in two million samples.
-    share = np.where(spec.t_end < bound, 1.0, np.nan)
-    share = np.where(spec.t_end > np.maximum(bound, 0.0) + 2.0 * lag, 0.0, share)
-    # Nutation before the bound: the noise must be far below the limit.
+    # Before the bound a tilt swings out to its nutation, which grows as the spin falls.
+    left = np.abs(spin) * np.exp(-c * spec.t_end / axial)
+    slowing = _nutation_rate(np.abs(spin), top) * _nutation_rate(left, top)
+    swing = NORMAL_REACH * size * axial * np.abs(spin) / (2.0 * cross * np.sqrt(slowing))
+    share = np.where((spec.t_end < bound) & (swing < limit), 1.0, np.nan)
+    # A tilt of a thousandth of the noise or less is drawn once in two million samples. A large
+    # limit is reached when the spin has fallen further: until a = 1 + cos(limit).
+    further = 0.5 * axial / c * math.log(2.0 / (1.0 + math.cos(limit)))
+    share = np.where(spec.t_end > np.maximum(bound, 0.0) + 2.0 * lag + further, 0.0, share)
     share = np.where(known & (6.0 * size < limit), share, np.nan)
     half = falling_lag(mgl, cross, axial, c, limit / (RAYLEIGH_HALF * size))
     until, angle = spec.horizon, angle_words(limit)
@@ -450,6 +462,12 @@ def _fall(spec: MapSpec, top: _Top, k: int) -> Predicted:
     return label, share, curves
 
 
+def _nutation_rate(spin: Floats, top: _Top) -> Floats:
+    """Rate (rad/s) of the small nutations of tops that sleep; NaN of others."""
+    rate: Floats = np.sqrt((top.axial * spin) ** 2 - 4.0 * top.mgl * top.cross) / (2.0 * top.cross)
+    return rate
+
+
 def falling_lag(mgl: Floats, cross: Floats, axial: Floats, c: Floats, growth: Floats) -> Floats:
     """Time after the bound in which a tilt grows by a factor ``growth``; see the module text."""
     rate = np.sqrt(2.0 * c * mgl / (cross * axial))
@@ -461,6 +479,20 @@ def _nutation_bound(momentum: Floats, weight: Floats, limit: float) -> Floats:
     """Largest tilt at release whose nutation stays below the limit; ``weight`` is ``mgl I1``."""
     cosine = math.cos(limit) + math.sin(limit) ** 2 * 2.0 * weight / momentum
     return np.where(cosine < 1.0, np.arccos(cosine), 0.0)
+
+
+def _half_nutation(momentum: Floats, mgl: Floats, cross: Floats, tilt: Floats) -> Floats:
+    """Time in which a top that is released at a tilt nutates to its largest tilt.
+
+    The height u of the axis obeys ``u'² = (2 mgl / I1) (u1 - u) (u - u2) (u3 - u)`` with the height
+    ``u1`` at release; ``u2`` and ``u3`` are the roots of ``1 - u² = a (u1 - u)``.
+    """
+    a, height = momentum / (2.0 * mgl * cross), np.cos(tilt)
+    apart = np.sqrt(a * a - 4.0 * (a * height - 1.0))
+    complement = (0.5 * (a + apart) - height) / apart
+    means = _core.elliptic("agm", [np.ones_like(complement), np.sqrt(complement)])[0]
+    time: Floats = np.pi / means / np.sqrt(2.0 * mgl / cross * apart)
+    return time
 
 
 def _horizon_bound(

@@ -30,7 +30,7 @@ BODIES = 32
 """Bodies over revolutions: they fill one group of lanes, which takes no longer than one body."""
 
 MOST_REVOLUTIONS = 1e9
-"""Most revolutions; after more, a phase in float64 has no digits left to compare."""
+"""Most revolutions of a report; after more, a phase in float64 has no digits left to compare."""
 
 MOST_BODIES = 4096
 """Most bodies; with more, the memory would be measured and not the method."""
@@ -144,6 +144,13 @@ def make_spec(
                 f"omega = {[w1, w2, w3]}: must not be zero; a long run counts revolutions"
             )
         t_end = math.tau * lengths[-1] / rate
+    end = finite_float("t_end", t_end, positive=True)
+    rate, most = float(first.fastest_rates((0.0, end))[0]), math.tau * MOST_REVOLUTIONS
+    if not lengths and end * rate > most:
+        raise ValueError(
+            f"t_end = {end:g}: must be at most {most / rate:.6g}, in which the body may turn by "
+            f"{MOST_REVOLUTIONS:g} revolutions"
+        )
     if bodies is None:
         bodies = BODIES if lengths else ReportSpec.bodies
     names, schemes = _methods(methods, closed_form=not lengths)
@@ -155,7 +162,7 @@ def make_spec(
         scene=scene,
         omega=(w1, w2, w3),
         attitude=(a, b, c, d),
-        t_end=finite_float("t_end", t_end, positive=True),
+        t_end=end,
         methods=names,
         bodies=int(bodies),
         errors=_errors(errors),

@@ -195,10 +195,10 @@ def stability_map(
         bodies costs the difference: whatever the true share, the chance that it lies in the
         reported interval is 0.95 or more.
     refine : int, optional
-        Distance of the rows and columns that are computed first; pixels without new information
-        are then omitted. Where the intervals at the corners of a cell do not overlap, the pixels
-        between are computed. Computed pixels have the bits of the full map. A feature that touches
-        none of the first rows and columns is missed.
+        Of a map of one or two axes: distance of the rows and columns that are computed first;
+        pixels without new information are then omitted. Where the intervals at the corners of a
+        cell do not overlap, the pixels between are computed. Computed pixels have the bits of the
+        full map. A feature that touches none of the first rows and columns is missed.
     budget : int, optional
         Most bodies of the map. The pixels with the most information come first, as long as the
         bodies that the next pixel may need fit. ``result.cut`` is then the number of omitted

@@ -50,8 +50,9 @@ def diff(
 ) -> Difference:
     """Compare two maps: their specifications and their numbers.
 
-    Maps of one specification are compared bit by bit, in the pixels that both have. Maps with the
-    same axes are compared by the intervals of their shares.
+    Maps of one specification are compared bit by bit, in the pixels that both have; of pixels
+    that lack bodies in one map, the number is told. Maps with the same axes are compared by the
+    intervals of their shares.
 
     Parameters
     ----------
@@ -101,12 +102,16 @@ def _map_of(data: StabilityMap | str | os.PathLike[str]) -> StabilityMap:
 def _bytes(one: MapData, other: MapData) -> list[str]:
     """The differences of two maps of one specification: equal seeds give equal bits."""
     lines = []
-    done = [data.samples > 0 for data in (one, other)]
-    for mine, theirs, which in (*zip(done, done[::-1], ("first", "second"), strict=True),):
-        alone = int((mine & ~theirs).sum())
-        if alone:
-            lines.append(f"{alone:,} pixels are in the {which} only")
-    both = done[0] & done[1]
+    both = (one.samples > 0) & (other.samples > 0)
+    for less, more, which in ((other, one, "first"), (one, other, "second")):
+        fewer = (less.samples < more.samples) & ~less.finished
+        for pixels, words in (
+            (fewer & ~both, f"are in the {which} only"),
+            (fewer & both, f"have more bodies in the {which}"),
+        ):
+            if pixels.any():
+                lines.append(f"{int(pixels.sum()):,} pixels {words}")
+        both &= ~fewer
     for column in COLUMNS:
         if not column.reproducible:
             continue

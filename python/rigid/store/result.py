@@ -594,7 +594,8 @@ class StabilityMap(MapData):
         """Write a tidy table: a row for each pixel, with its axes, share, interval and counts.
 
         The mean, standard deviation, least and largest value of each measure, the number of its
-        values and their largest error are columns too.
+        values and their largest error are columns too. An axis of the user with the name of a
+        column, such as ``share``, becomes ``axis_share``; so in :meth:`to_xarray`.
 
         Parameters
         ----------

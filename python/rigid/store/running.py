@@ -121,6 +121,8 @@ class Folder(Memory):
     ) -> Folder:
         """The folder of that map; a new one if there is none, with so many samples in a unit.
 
+        The title and the unit of times are those asked for, whatever the folder has.
+
         Raises
         ------
         StoreError
@@ -136,6 +138,9 @@ class Folder(Memory):
         found = cls(folder, disk)
         found.head.require_spec(spec, folder)
         found.give(**spec.functions)
+        words = {name: getattr(spec, name) for name in ("title", "time_unit")}
+        if any(getattr(found.head.spec, name) != word for name, word in words.items()):
+            found.head = replace(found.head, spec=replace(found.head.spec, **words))
         return found
 
     @classmethod

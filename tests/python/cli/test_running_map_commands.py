@@ -86,6 +86,23 @@ def test_the_speed_is_that_of_what_this_command_computed(capsys: Capture) -> Non
     assert "speed       nothing was computed: all rows were stored" in capsys.readouterr().out
 
 
+def test_a_folder_goes_on_from_inside(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+    main(["map", "small.toml", "--store", "run.rigid", "--part", "1/2", QUIET])
+    monkeypatch.chdir("run.rigid/logs")
+    assert main(["resume", "..", QUIET]) == 0
+    monkeypatch.chdir("..")
+    assert main(["resume", ".", "--force", QUIET]) == 0
+    assert rigid.load_map("../run.npz").complete
+    capsys.readouterr()
+    for command in ("resume", "explore"):
+        assert main([command, "/"]) == 2
+    told = capsys.readouterr().err
+    assert told == (
+        "rigid: / is no running map: there is no head.json\n"
+        "rigid: / is not a stability map: it is a folder\n"
+    )
+
+
 def test_pieces_of_few_pixels_are_counted(capsys: Capture) -> None:
     text = SPEC.replace("count = 12", "count = 2").replace("count = 8", "count = 2")
     Path("small.toml").write_text(text.replace("samples = 10", "samples = 3000"))

@@ -258,6 +258,10 @@ def test_replay_outside_the_map(pixel: Any, sample: int) -> None:
     message = r"sample = 2: must lie in 0 \.\. 1" if sample else "lies outside the map of shape"
     with pytest.raises(IndexError, match=message):
         result.replay(pixel, sample)
+    with pytest.raises(TypeError, match=r"pixel = 0\.5: must be a whole number"):
+        result.replay(0.5, sample)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="sample = '0': must be a whole number"):
+        result.replay(0, "0")  # type: ignore[arg-type]
 
 
 # Impossible bodies

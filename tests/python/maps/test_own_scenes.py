@@ -1,5 +1,6 @@
 """Scenes by a function of own parameters: the maps of the same numbers, files, replay, refusals."""
 
+import csv
 import math
 from pathlib import Path
 from typing import Any
@@ -47,6 +48,14 @@ def damped(length: Floats, drag: Floats) -> rigid.FreeBody:
     )
 
 
+def leaning(tilt: Floats, noise: Floats, share: Floats) -> tuple[rigid.HeavyTop, Floats, Floats]:
+    """Tops that lean; the arguments are called as parameters of a map and as one of its columns."""
+    half, zero = 0.5 * tilt, 0.0 * tilt
+    attitude = np.stack([np.cos(half), np.sin(half), zero, zero], axis=-1)
+    rates = np.stack([noise, zero, 6.0 * share], axis=-1)
+    return rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0), rates, attitude
+
+
 def test_the_map_of_a_function_is_made_of_the_maps_of_its_scenes() -> None:
     result = small_map(pendulum, axes={"length": LENGTHS, "mass": MASSES}, **OPTIONS)
     assert result.share.shape == (2, 3)
@@ -87,6 +96,33 @@ def test_own_parameters_go_with_those_of_rigid() -> None:
     assert body.omega[2] == 4.0
     assert body.run.spec["scene"]["mgl"] == 9.81 * 0.8 * 1.5
     assert "heavy top by pendulum(length, mass)" in result.summary()
+
+
+def test_an_argument_may_be_called_as_a_parameter_or_a_column(tmp_path: Path) -> None:
+    axes = {"tilt": [0.1, 0.4, 0.6], "noise": [0.0, 0.3], "share": [0.5, 1.0]}
+    start = rigid.Start(omega=(0.0, 0.0, 0.0), noise=rigid.normal(1e-3))
+    options: dict[str, Any] = {**OPTIONS, "start": start, "samples": 2}
+    result = small_map(leaning, axes=axes, **options)
+    starts = result.starts(0)
+    tilts = 2.0 * np.arcsin(starts.attitude[..., 1])
+    np.testing.assert_allclose(tilts, np.broadcast_to(axes["tilt"], (2, 2, 3)), rtol=2e-15)
+    nominal = np.broadcast_to([[0.0], [0.3]], (2, 2, 3))
+    np.testing.assert_allclose(starts.omega[..., 0], nominal, atol=6e-3)  # six deviations
+    assert "rates + normal(0.001)" in result.summary()
+    with result.to_csv(tmp_path / "map.csv").open(newline="") as file:
+        table = list(csv.DictReader(file))
+    assert [float(row["axis_share"]) for row in table] == np.repeat(axes["share"], 6).tolist()
+    assert [float(row["share"]) for row in table] == result.share.ravel().tolist()
+    dataset = result.to_xarray()
+    assert dataset["share"].dims == ("axis_share", "noise", "tilt")
+    np.testing.assert_array_equal(dataset["axis_share"], axes["share"])
+
+
+@pytest.mark.parametrize("name", ["limit", "t_end"])
+def test_an_argument_is_not_called_as_a_number_of_the_map(name: str) -> None:
+    functions = {"limit": lambda a, limit: None, "t_end": lambda a, t_end: None}
+    with pytest.raises(ValueError, match=f"axes: '{name}' belongs to the map; call the argument"):
+        small_map(functions[name], axes={"a": [1.0], name: [0.1, 0.2]})
 
 
 def test_each_horizon_sees_the_scenes_of_the_function() -> None:

@@ -163,6 +163,19 @@ def test_a_budget_without_refinement_gives_a_coarse_whole_map() -> None:
     assert "320 in 5 of 17 pixels; the budget of 320 omits 12" in result.summary()
 
 
+def test_maps_of_three_axes_have_a_budget_and_are_not_refined() -> None:
+    axes = {"spin": [1.0, 1.5, 2.0], "noise": [1e-3, 1e-2, 1e-1], "I2": [1.1, 1.5, 1.9]}
+    options: dict[str, Any] = {**GRID, "axes": axes}
+    full, result = small_map(**options), small_map(**options, budget=8 * 64)
+    computed = result.samples > 0
+    # The corners of the lattice of every second value come first.
+    np.testing.assert_array_equal(np.argwhere(computed), 2 * np.argwhere(np.ones((2, 2, 2))))
+    np.testing.assert_array_equal(result.stable[computed], full.stable[computed])
+    assert (result.complete, result.ended, result.cut) == (False, True, 19)
+    with pytest.raises(ValueError, match="refine = 2: a map of 3 axes has no cells"):
+        small_map(**options, refine=2)
+
+
 #: Pixels stop at 64, 128, ... 384 bodies.
 NARROW: dict[str, Any] = {**GRID, "samples": None, "half_width": 0.06}
 

@@ -175,17 +175,26 @@ def test_the_separatrix_is_reached_in_the_time_of_the_mean_loss(
 
 
 def test_nothing_is_predicted_near_the_time_of_the_separatrix() -> None:
-    """Within a tenth of the times of the largest and of the smallest noise that is likely."""
+    """Within a tenth of the times of the largest and of the smallest noise that is likely.
+
+    The spin has the noise, too. A period of small nutations is added, whose mean the loss is.
+    """
     moments, noise, spin, sink = (1.0, 1.7, 2.2), 0.01, 1.3, 0.02
-    last, first = time_to_separatrix(
-        np.array([moments] * 2), np.full(3, sink), np.full(2, spin), noise * np.array([4.0, 1e-3])
+    spins = spin + 4.0 * noise * np.array([-1.0, 1.0, -1.0, 1.0])
+    large, small = 4.0 * noise, 1e-3 * noise
+    times = time_to_separatrix(
+        np.array([moments] * 4), np.full(3, sink), spins, np.array([large, large, small, small])
     )
+    last, first = times[:2].min(), times[2:].max()
     assert last < first  # the smaller the noise, the later
+    about_1, about_3 = np.sqrt([(0.7 * 1.2) / (1.7 * 2.2), (1.2 * 0.5) / (1.0 * 1.7)])
+    before = 2.0 * np.pi / (about_1 * spins[0])
+    after = 2.0 * np.pi / (about_3 * spins[0] / 2.2)  # L is I1 spin
     for t_end, share in (
-        (0.89 * last, 1.0),
-        (0.91 * last, np.nan),
-        (1.09 * first, np.nan),
-        (1.11 * first, 0.0),
+        (0.89 * last - before, 1.0),
+        (0.91 * last - before, np.nan),
+        (1.09 * first + after, np.nan),
+        (1.11 * first + after, 0.0),
     ):
         spec = spec_of(
             scene=rigid.FreeBody(rigid.Body(moments), dissipation=rigid.EnergySink(sink)),

@@ -1062,6 +1062,7 @@ test_mistakes_name_argument_value_and_rule = refuses(
         ({"revolutions": [10]}, ["t_end, revolutions: give one of the two"]),
         ({"t_end": 0.0}, ["t_end = 0.0: must be positive"]),
         ({"t_end": np.inf}, ["t_end = inf: must be finite"]),
+        ({"t_end": 1e18}, ["t_end = 1e+18: must be at most", "in which", "1e+09 revolutions"]),
         ({"methods": ["rk5"]}, ["methods[0] = 'rk5'", "did you mean 'rk4'?"]),
         ({"methods": ["rk4", "rk4"]}, ["methods[1] = 'rk4'", "already"]),
         ({"methods": []}, ["methods = []", "at least one"]),

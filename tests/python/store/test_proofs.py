@@ -163,8 +163,10 @@ def test_without_a_seed_the_one_of_the_folder_is_kept(tmp_path: Path) -> None:
 
 def test_a_title_is_no_part_of_the_key(tmp_path: Path) -> None:
     go_on(tmp_path / "run")
-    result = rigid.stability_map(**request(store=tmp_path / "run", title="Another"))
+    asked = request(store=tmp_path / "run", title="Another", time_unit="min")
+    result = rigid.stability_map(**asked)
     assert result.complete
+    assert (result.spec.title, result.spec.time_unit) == ("Another", "min")
     assert len(list((tmp_path / "run" / "logs").iterdir())) == 1
 
 
@@ -267,6 +269,16 @@ def test_differences_of_one_map_are_told_by_column(tmp_path: Path) -> None:
     assert turned.numbers[0] == "44 pixels are in the first only"
     assert found.numbers[1].startswith("stable: 3 pixels differ, the first at (")
     assert str(rigid.diff(tmp_path / "quiet", tmp_path / "quiet")) == "no difference"
+
+
+def test_a_pixel_of_fewer_bodies_is_no_other_number(tmp_path: Path) -> None:
+    """A part has the first bodies of a pixel: their counts are others than those of all."""
+    asked: dict[str, Any] = {"axes": {"noise": [0.01]}, "samples": 5000}
+    whole = small_map(**asked)
+    part = small_map(store=tmp_path / "part", part=(1, 3), **asked)
+    assert 0 < part.samples[0] < 5000
+    assert rigid.diff(part, whole).numbers == ["1 pixels have more bodies in the second"]
+    assert rigid.diff(whole, part).numbers == ["1 pixels have more bodies in the first"]
 
 
 def test_differences_of_two_maps_are_told_by_their_intervals() -> None:
