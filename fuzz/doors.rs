@@ -9,8 +9,8 @@ use rigid::error::Error;
 use rigid::exact::derived::{free_quantities, saddle, sign_changes, tilt_time, top_quantities};
 use rigid::forces::Forces;
 use rigid::inertia::{check_moments, principal_axes};
-use rigid::map::{Check, Condition, Criterion, Distributions, Logic, Map, Pixel, Rule, clopper_pearson};
-use rigid::method::{AnyMethod, default_step};
+use rigid::map::{Check, Condition, Criterion, Distributions, Logic, Map, NAMED, Pixel, clopper_pearson};
+use rigid::method::{self, AnyMethod, default_step};
 use rigid::parallel::Interrupt;
 use rigid::sample::Distribution;
 use rigid::scene::{FREE, Scene, TOP};
@@ -121,20 +121,10 @@ impl Bytes<'_> {
     }
 
     fn method(&mut self) -> AnyMethod {
-        let names = [
-            "exact",
-            "rk4",
-            "dop853",
-            "taylor16",
-            "splitting",
-            "chin4a",
-            "chin4a",
-            "pmlf4",
-            "dmv10",
-            "midpoint",
-            "etd4",
-        ];
-        AnyMethod::parse(self.of(names)).expect("a method of this name")
+        match self.below(1 + method::ALL.len()) {
+            0 => AnyMethod::Exact,
+            number => AnyMethod::Steps(method::ALL[number - 1]),
+        }
     }
 }
 
@@ -216,8 +206,7 @@ fn map(numbers: &mut Bytes) {
         Distribution::Direction,
         Distribution::VonMisesFisher(0),
     ];
-    let angle = numbers.number();
-    let rule = Rule { sure: angle, low: numbers.number(), high: numbers.number(), ratio: numbers.number() };
+    let (_, needed, criterion) = numbers.of(NAMED);
     let asked = Map {
         scene,
         forces: None,
@@ -240,13 +229,7 @@ fn map(numbers: &mut Bytes) {
         mixture: Vec::new(),
         conditions: vec![Condition {
             axis: numbers.of([-3, -2, -1, 1, 2, 3, 0]),
-            criterion: numbers.of([
-                Criterion::NoFlip,
-                Criterion::TiltFromStart(angle),
-                Criterion::TiltFromVertical(angle),
-                Criterion::RegularRates(rule),
-                Criterion::RegularAttitude(rule),
-            ]),
+            criterion: criterion(&numbers.vector::<4>()[..needed]),
         }],
         logic: Logic::parse("0", 1).unwrap(),
         measures: Vec::new(),

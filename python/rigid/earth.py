@@ -8,8 +8,8 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._checks.arguments import shaped
-from ._checks.arrays import Floats, require
+from ._checks.arguments import require, shaped
+from ._checks.arrays import Floats
 from ._checks.overflow import refuses_overflow
 
 __all__ = [

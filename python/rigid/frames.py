@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._checks.arguments import finite_float, shaped, together, vectors
-from ._checks.arrays import Floats, require
+from ._checks.arguments import finite_float, require, shaped, together, vectors_together
+from ._checks.arrays import Floats
 from ._checks.overflow import refuses_overflow
 
 __all__ = [
@@ -201,7 +201,7 @@ def rotating_frame(
     >>> rider.velocity.tolist(), rider.acceleration.tolist()  # at rest on the carousel
     ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0])
     """
-    r, v, a, w, dw, r0, v0, a0 = vectors(
+    r, v, a, w, dw, r0, v0, a0 = vectors_together(
         position=position,
         velocity=velocity,
         acceleration=acceleration,
@@ -252,7 +252,7 @@ def transport(vector: ArrayLike, rate: ArrayLike, omega: ArrayLike) -> Floats:
     >>> frames.transport([1, 0, 0], [0, 0, 0], omega=[0, 0, 2]).tolist()
     [0.0, 2.0, 0.0]
     """
-    q, dq, w = vectors(vector=vector, rate=rate, omega=omega)
+    q, dq, w = vectors_together(vector=vector, rate=rate, omega=omega)
     return np.asarray(dq + np.cross(w, q))
 
 
@@ -299,7 +299,7 @@ def fictitious_forces(
     (1260.0, -420.0)
     """
     m = shaped("mass", mass, nonnegative=True)
-    r, v, w, dw, a = vectors(
+    r, v, w, dw, a = vectors_together(
         position=position,
         velocity=velocity,
         omega=omega,

@@ -8,14 +8,14 @@ way.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, of_shape, shaped, sorted_times, vector
 from ._checks.arrays import Floats
-from ._checks.overflow import refuses_overflow
+from ._checks.overflow import numbers_of_user, refuses_overflow
 from ._checks.quantities import plain
 from .model.body import Body
 from .model.scene import FreeBody
@@ -400,6 +400,7 @@ def pair_system(
     """
     m, r = _bodies(masses, positions)
     first, second = pairs_of(pairs, len(m))
+    given = law
     if law is not None:
         if stiffness is not None or rest is not None:
             raise ValueError("stiffness, rest, law: give stiffness and rest, or a law, not both")
@@ -416,7 +417,8 @@ def pair_system(
             return 0.5 * tension * stretch, tension, np.broadcast_to(k, distances.shape)
 
     system = PairSystem(masses=m, positions=r, pairs=np.stack([first, second], axis=-1), law=law)
-    system.energy()  # raises if particles coincide or the law returns wrong values
+    checked = system if given is None else replace(system, law=numbers_of_user()(given))
+    checked.energy()  # raises if particles coincide or the law returns wrong values
     return system
 
 

@@ -90,7 +90,7 @@ impl<'a> Entry<'a> {
 
 /// The vector of a body axis: 1, 2, 3 or -1, -2, -3; zeros of any other number.
 fn unit_axis(axis: i32) -> [f64; 3] {
-    [1, 2, 3].map(|k| if axis.abs() == k { f64::from(axis.signum()) } else { 0.0 })
+    [1, 2, 3].map(|k| if axis.unsigned_abs() == k { f64::from(axis.signum()) } else { 0.0 })
 }
 
 /// Loads a body into a lane.

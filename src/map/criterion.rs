@@ -32,9 +32,10 @@ const RULE: usize = 4;
 
 /// A name that Python knows, how many numbers it needs, and the criterion with these: an angle (rad), or the numbers of a
 /// rule in their order.
-type Named = (&'static str, usize, fn(&[f64]) -> Criterion);
+pub type Named = (&'static str, usize, fn(&[f64]) -> Criterion);
 
-const NAMED: [Named; 20] = [
+/// All criteria that Python knows.
+pub const NAMED: [Named; 20] = [
     ("no_flip", 0, |_| Criterion::NoFlip),
     ("tilt_from_start", 1, |of| Criterion::TiltFromStart(of[0])),
     ("tilt_from_vertical", 1, |of| Criterion::TiltFromVertical(of[0])),

@@ -17,7 +17,7 @@ mod statistics;
 mod steps;
 
 pub use check::Check;
-pub use criterion::Criterion;
+pub use criterion::{Criterion, NAMED};
 pub use draw::{Distributions, Mixed, OF_START};
 pub use interval::{clopper_pearson, clopper_pearson_of_each};
 pub use joined::{Condition, Logic, MOST_CONDITIONS};

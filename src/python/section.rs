@@ -118,7 +118,8 @@ fn to_dict<'py>(
     dict.set_item("grazing", of_points(py, all, |point| point.grazes)?)?;
     let body = all.iter().enumerate().flat_map(|(body, own)| repeat_n(body as isize, own.points.len()));
     dict.set_item("body", memory::collected("points", count, body)?.into_pyarray(py))?;
-    let complete = all.iter().flat_map(|own| (0..kinds).map(|kind| own.are_complete(kind)));
+    let complete = all.iter().map(Crossings::doubtful);
+    let complete = complete.flat_map(|doubtful| (0..kinds).map(move |kind| doubtful >> kind & 1 == 0));
     let complete = memory::collected("bodies", all.len() * kinds, complete)?;
     dict.set_item("complete", complete.into_pyarray(py).reshape([all.len(), kinds])?)?;
     dict.set_item("lost_from", column(py, all, |own| own.lost_from)?)?;

@@ -19,6 +19,7 @@ import pytest
 import rigid
 from processes import python_process
 from rigid import _archive, _files
+from rigid._checks.inputs import unreadable
 from small_maps import assert_same_map, small_map
 
 RUN = rigid.simulate(
@@ -120,6 +121,18 @@ def test_a_name_that_promises_another_kind_of_file_is_refused(
     known = hint if ".npz" in ENDINGS[name] else ""
     assert str(caught.value) == f"path = {str(path)!r}: must end in {ENDINGS[name]}{known}"
     assert names(tmp_path) == []
+
+
+def test_a_missing_file_is_compared_with_those_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "run.npz").touch()
+    monkeypatch.chdir(tmp_path)
+    for path in ("rum.npz", tmp_path / "rum.npz"):
+        words = f"{path}: there is no such file or folder; did you mean 'run.npz'?"
+        assert unreadable(path, FileNotFoundError()) == words
+    nowhere = unreadable("none/run.npz", FileNotFoundError())
+    assert nowhere == "none/run.npz: there is no such file or folder"
 
 
 def make_link(path: Path) -> None:

@@ -298,6 +298,23 @@ def test_a_saddle_is_left_for_the_minimum() -> None:
     assert float(row.energy(row.equilibrium())) == pytest.approx(-3.0, abs=1e-12)
 
 
+def test_a_law_divides_by_zero_as_its_user_says() -> None:
+    def touching(d: Floats) -> tuple[Floats, Floats, Floats]:
+        """Zero from a distance of 1 on, by the limit of 1 / (1 + 1 / 0)."""
+        energy = 1.0 / (1.0 + 1.0 / np.maximum(1.0 - d, 0.0))
+        return energy, 0.0 * d, 0.0 * d
+
+    def fails(d: Floats) -> tuple[Floats, Floats, Floats]:
+        raise OverflowError("own")
+
+    with np.errstate(divide="ignore"):
+        pair = springs.pair_system([1.0, 1.0], [[0.0] * 3, [2.0, 0.0, 0.0]], law=touching)
+        assert pair.energy() == 0.0
+    assert pair.law is touching
+    with pytest.raises(OverflowError, match="own"):
+        springs.pair_system([1.0, 1.0], [[0.0] * 3, [2.0, 0.0, 0.0]], law=fails)
+
+
 def test_springs_that_break_are_not_torn_on_the_way_to_rest() -> None:
     """The energy -d - ln(1 - d) / 100 ends at d = 1, and is least at 0.99: a step goes beyond."""
 

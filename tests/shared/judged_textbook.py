@@ -25,8 +25,9 @@ from rigid import free, springs, statics
 DIGITS = 50
 
 
-def _verdict(kind: str, off: float, allowed: float, words: str = "") -> Judged:
-    return Judged(kind, "right" if off <= allowed else "UNDETECTED", off, allowed, words)
+def _verdict(kind: str, off: float, words: str = "") -> Judged:
+    """The verdict on an error in units of what is allowed."""
+    return Judged(kind, "right" if off <= 1.0 else "UNDETECTED", off, 1.0, words)
 
 
 # Statics
@@ -105,7 +106,7 @@ def judge_statics(number: int, seed: int) -> Judged:
                 gap = _size(Fraction(float(x)) - y for x, y in zip(got, true, strict=True))
                 # The reference point is added: its own rounding.
                 off = max(off, gap / (4 * u * (unit + float(np.linalg.norm(about)))))
-        return _verdict(kind, float(off), 1.0)
+        return _verdict(kind, float(off))
 
 
 # Cones
@@ -188,7 +189,7 @@ def judge_cones(number: int, seed: int) -> Judged:
             ):
                 gap = mpmath.sqrt(sum((float(x) - y) ** 2 for x, y in zip(got, true, strict=True)))
                 off = max(off, gap / (32 * ROUNDOFF))
-        return _verdict(kind, float(off), 1.0, f"{moments.tolist()}, {omega.tolist()}")
+        return _verdict(kind, float(off), f"{moments.tolist()}, {omega.tolist()}")
 
 
 # Poinsot's construction, and throws
@@ -253,7 +254,7 @@ def judge_poinsot(number: int, seed: int) -> Judged:
         slip = (lengths[0] - lengths[1]) * size / twice
         # Each of 80 differences of contacts has the roundings of two contacts.
         off = max(off, abs(float(found.slip) - slip) / (80 * 64 * ROUNDOFF * spread))
-    return _verdict(kind, float(off), 1.0)
+    return _verdict(kind, float(off))
 
 
 def judge_throw(number: int, seed: int) -> Judged:
@@ -307,7 +308,7 @@ def judge_throw(number: int, seed: int) -> Judged:
                 true = max(float(mpmath.re(x)) for x in values)
             # A triple eigenvalue moves by the cube root of a rounding.
             off = max(off, abs(found.dots[one, k] - true) / (16.0 * ROUNDOFF ** (1.0 / 3.0)))
-    return _verdict(kind, off, 1.0, f"{sides}, {noise.tolist()}")
+    return _verdict(kind, off, f"{sides}, {noise.tolist()}")
 
 
 # Springs
@@ -366,7 +367,7 @@ def judge_springs(number: int, seed: int) -> Judged:
     if int(modes.zero) != zero:
         verdict = "within" if zero <= int(modes.zero) <= soft else "UNDETECTED"
         return Judged(kind, verdict, words=f"{modes.zero} zero for {zero}")
-    return _verdict(kind, float(off), 1.0)
+    return _verdict(kind, float(off))
 
 
 # Long runs
@@ -436,7 +437,7 @@ def judge_long_run(number: int, seed: int) -> Judged:
             share = lost / row.energy_drift
             if not 0.5 < share < 1.2 and lost > 1e-12:
                 return Judged("energy", "UNDETECTED", share, 1.0, f"{row.angle}, {lengths}")
-    return _verdict("phase", off, 1.0)
+    return _verdict("phase", off)
 
 
 # The same numbers by other doors

@@ -5,7 +5,7 @@ said to be unsure is *undetected*.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import MISSING, dataclass, field, fields
 from functools import partial
 from typing import Any
 
@@ -15,7 +15,8 @@ import rigid
 from fine_motion import FineMotion, Floats, Truths, unit
 from physics import angle_between, rotated
 from rigid.maps.data import COLUMNS
-from rigid.model.criterion import Criterion
+from rigid.model.bounds import AngleWithin, PointingWithin
+from rigid.model.criterion import CRITERIA, Criterion
 from rigid.model.measures import Measure
 from rigid.model.scene import Scene
 
@@ -286,17 +287,21 @@ def _statistics(tally: Tally, result: Any, values: dict[str, Floats], where: str
 # Horizons and limits
 
 
-CRITERIA: dict[str, Callable[[float], Criterion]] = {
-    "no_flip": lambda _: rigid.no_flip(2),
-    "tilt_below": lambda limit: rigid.tilt_below(limit),
-    "tilt_between": lambda limit: rigid.tilt_between(0.05, limit),
-    "rate_within": lambda limit: rigid.rate_within(limit),
-    "near_start": lambda limit: rigid.near_start(limit),
-    "returns": lambda limit: rigid.returns(limit, after=0.4),
-    "spin_above": lambda _: rigid.spin_above(0.5, axis=1),
-    "joined": lambda limit: rigid.tilt_below(limit) & rigid.no_flip(1) | rigid.near_start(0.5),
-    "regular": lambda _: rigid.regular("attitude"),
-}
+NEEDED = {"low": 0.05, "after": 0.4, "rate": 0.5}
+"""What criteria need besides their limit."""
+
+
+def criterion_of(name: str, limit: float, axis: int) -> Criterion:
+    """The criterion of this name in the table of the library, or joined ones, with a limit."""
+    if name == "joined":
+        return rigid.tilt_below(limit) & rigid.no_flip(axis) | rigid.near_start(0.5)
+    numbers: dict[str, Any] = {}
+    for own in fields(CRITERIA[name]):  # type: ignore[arg-type]
+        if own.default is MISSING:
+            numbers[own.name] = NEEDED.get(own.name, limit)
+        elif own.name == "axis":
+            numbers[own.name] = axis
+    return CRITERIA[name](**numbers)
 
 
 def horizons(seed: int, count: int) -> Tally:
@@ -304,8 +309,14 @@ def horizons(seed: int, count: int) -> Tally:
     rng, tally = np.random.default_rng(seed), Tally()
     for case in range(count):
         scene = any_scene(rng)
-        name = str(rng.choice([*CRITERIA]))
-        make = CRITERIA[name]
+        of_orbit = PointingWithin, AngleWithin
+        known = [
+            name
+            for name, made in CRITERIA.items()
+            if "orbit" in scene.forces or not issubclass(made, of_orbit)
+        ]
+        name = str(rng.choice([*known, "joined"]))
+        make = partial(criterion_of, name, axis=int(rng.integers(1, 4)))
         ends = rng.permutation(np.sort(rng.uniform(0.5, 9.0, 3)))[:2].tolist()
         limits = np.sort(rng.uniform(0.1, 3.0, 2)).tolist()
         values: dict[str, list[float]] = {"spin": [1.0, 2.0], "t_end": ends}

@@ -36,9 +36,9 @@ def mistake(rng: Random) -> Any:
     )
 
 
-def perhaps(rng: Random, value: Any, share: float = MISTAKES) -> Any:
+def perhaps(rng: Random, value: Any) -> Any:
     """The value, or a mistake."""
-    return mistake(rng) if rng.random() < share else value
+    return mistake(rng) if rng.random() < MISTAKES else value
 
 
 def number(rng: Random, value: float) -> Any:

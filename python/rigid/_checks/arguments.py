@@ -8,6 +8,7 @@ import os
 import re
 from collections.abc import Iterable
 from numbers import Real
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -122,17 +123,30 @@ def finite_float(
     return number
 
 
+def truth(name: str, value: object) -> bool:
+    """True or False."""
+    if not isinstance(value, bool):
+        raise TypeError(f"{name} = {brief(value)}: must be True or False")
+    return value
+
+
+def whole(name: str, value: object) -> int:
+    """``value`` as a whole number; True and False are none."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
+        raise TypeError(f"{name} = {brief(value)}: must be a whole number")
+    return int(value)
+
+
 def positive_int(name: str, value: object, *, minimum: int = 1) -> int:
     """``value`` as a whole number of at least ``minimum``."""
     if type(value) is int and minimum <= value < 2**63:
         return value
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
-        raise TypeError(f"{name} = {brief(value)}: must be a whole number")
-    if value < minimum:
+    number = whole(name, value)
+    if number < minimum:
         raise ValueError(f"{name} = {brief(value)}: must be at least {minimum}")
-    if value >= 2**63:
+    if number >= 2**63:
         raise ValueError(f"{name} = {brief(value)}: must be below 2**63")
-    return int(value)
+    return number
 
 
 def numbers(name: str, value: ArrayLike, unit: str | None = None) -> NDArray[np.float64]:
@@ -181,6 +195,13 @@ def first_place(bad: NDArray[np.bool_]) -> tuple[tuple[int, ...], str]:
     return index, str(list(index)) if index else ""
 
 
+def require(name: str, array: NDArray[Any], good: NDArray[np.bool_], rule: str) -> None:
+    """Raise for the first element that breaks the rule."""
+    if not good.all():
+        index, place = first_place(~good)
+        raise ValueError(f"{name}{place} = {array[index]}: {rule}")
+
+
 def shaped(
     name: str,
     value: ArrayLike,
@@ -214,25 +235,22 @@ def of_shape(
         wanted = ", ".join("N" if want is None else str(want) for want in shape)
         raise ValueError(f"{name}: expected shape (..., {wanted}), got {array.shape}")
     _finite(name, array)
-    if not (positive or nonnegative):
-        return array
-    bad = array <= 0.0 if positive else array < 0.0
-    if np.any(bad):
-        index, place = first_place(bad)
-        rule = "must be positive" if positive else "must not be negative"
-        raise ValueError(f"{name}{place} = {array[index]}: {rule}")
+    if positive:
+        require(name, array, array > 0.0, "must be positive")
+    elif nonnegative:
+        require(name, array, array >= 0.0, "must not be negative")
     return array
 
 
-def rows(name: str, value: ArrayLike, width: int) -> tuple[NDArray[np.float64], bool]:
-    """``value`` as a finite contiguous array ``(n, width)``, and whether it was a single row."""
+def rows(name: str, value: ArrayLike, width: int) -> NDArray[np.float64]:
+    """``value``, one row or many, as a finite contiguous array ``(n, width)``."""
     array = numbers(name, value)
     if array.ndim not in (1, 2) or array.shape[-1] != width:
         if array.size == 0 and array.ndim < 2:
-            return np.empty((0, width)), False
+            return np.empty((0, width))
         raise ValueError(f"{name}: expected shape ({width},) or (n, {width}), got {array.shape}")
     _finite(name, array)
-    return np.ascontiguousarray(np.atleast_2d(array)), array.ndim == 1
+    return np.ascontiguousarray(np.atleast_2d(array))
 
 
 def together(**arrays: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
@@ -244,7 +262,7 @@ def together(**arrays: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
         raise ValueError(f"{shapes}: the shapes do not broadcast") from None
 
 
-def vectors(**arguments: ArrayLike) -> tuple[NDArray[np.float64], ...]:
+def vectors_together(**arguments: ArrayLike) -> tuple[NDArray[np.float64], ...]:
     """The arguments as finite arrays of shape ``(..., 3)``, broadcast against each other."""
     return together(**{name: shaped(name, value, 3) for name, value in arguments.items()})
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import sys
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .arguments import first_place, numbers, of_shape, shaped
+from .arguments import first_place, numbers, of_shape
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -30,11 +30,6 @@ UNIT = 1e-4
 0.5e-4, give 0.9e-4. Single precision gives 1e-7."""
 
 
-def finite_array(name: str, value: ArrayLike) -> Floats:
-    """``value`` as finite floats of any shape."""
-    return shaped(name, value)
-
-
 def of_size_one(
     vectors: Floats, axis: int | tuple[int, ...] = -1
 ) -> tuple[Floats, NDArray[np.intc]]:
@@ -50,13 +45,6 @@ def lengths(vectors: Floats) -> Floats:
     """Lengths of the vectors along the last axis, faster than by ``numpy.linalg.norm``."""
     squares: Floats = np.einsum("...i,...i->...", vectors, vectors)
     return np.sqrt(squares)
-
-
-def require(name: str, array: NDArray[Any], good: NDArray[np.bool_], rule: str) -> None:
-    """Raise for the first element that breaks the rule."""
-    if not good.all():
-        index, place = first_place(~good)
-        raise ValueError(f"{name}{place} = {array[index]}: {rule}")
 
 
 def vectors(name: str, value: ArrayLike, width: int = 3) -> Floats:

@@ -92,13 +92,13 @@ def possible(moments: Floats, physical: bool = True) -> NDArray[np.bool_]:
     return bodies.reshape(moments.shape[:-1])
 
 
-def can_move(moments: Floats, physical: bool = True) -> NDArray[np.bool_]:
+def can_move(moments: Floats, physical: bool) -> NDArray[np.bool_]:
     """Whether the core can move a body with these moments, shape (n, 3): rods as spheres."""
     known: NDArray[np.bool_] = _core.moment_status(without_spin(moments), physical) == 0
     return known
 
 
-def refuse_tensor(name: str, array: Floats) -> None:
+def _refuse_tensor(array: Floats) -> None:
     """Raise ValueError for tensors of inertia, matrices, where the rows are bodies.
 
     A tensor is symmetric and positive definite. Its rows are three bodies only if no body has the
@@ -117,13 +117,13 @@ def refuse_tensor(name: str, array: Floats) -> None:
     least = a * f * f - 2.0 * d * e * f + b * e * e
     if ((a > 0.0) & (minor > 0.0) & (c * minor > least)).all():
         raise ValueError(
-            f"{name} = {brief(array.tolist())}: a symmetric matrix is a tensor of inertia, and "
+            f"moments = {brief(array.tolist())}: a symmetric matrix is a tensor of inertia, and "
             "here rows are bodies; take rigid.Body.from_tensor, or give three bodies in another "
             "order"
         )
 
 
-def checked_moments(name: str, moments: Floats, physical: bool = True) -> Floats:
+def checked_moments(moments: Floats, physical: bool = True) -> Floats:
     """The moments, shape (..., 3), if bodies can have them; else the moments of the nearest bodies.
 
     Rods pass.
@@ -134,8 +134,9 @@ def checked_moments(name: str, moments: Floats, physical: bool = True) -> Floats
     Raises
     ------
     ValueError
-        For the first other moments; the core says which rule they break.
+        For the first other moments; the core says which rule they break. For a tensor of inertia.
     """
+    _refuse_tensor(moments)
     good = possible(moments, physical) | rods(moments)
     if good.all():
         return moments
@@ -144,12 +145,12 @@ def checked_moments(name: str, moments: Floats, physical: bool = True) -> Floats
         try:
             _core.check_moments(moments[index].tolist())
         except ValueError as error:
-            raise ValueError(str(error).replace("moments", f"{name}{place}", 1)) from None
+            raise ValueError(str(error).replace("moments", f"moments{place}", 1)) from None
 
     wrong = ~good & ((moments.min(axis=-1) <= 0.0) | (not physical))
     if wrong.any():
         refused(*first_place(wrong))
-    return _nearest_moments(name, moments, ~good, refused)
+    return _nearest_moments("moments", moments, ~good, refused)
 
 
 def _nearest_moments(

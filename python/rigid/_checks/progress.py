@@ -18,6 +18,7 @@ from .. import _core
 from .arguments import brief
 from .extras import install_extra
 from .notebook import in_notebook
+from .overflow import numbers_of_user
 
 NARROW = 80
 """Columns of a terminal below which a bar has neither numbers of bodies nor a rate."""
@@ -154,7 +155,7 @@ def _shown(
     option: ProgressOption, total: int, unit: str, who: str, failed: Callable[[int], str]
 ) -> Iterator[Callable[[Progress], object]]:
     if callable(option):
-        yield option
+        yield numbers_of_user()(option)
         return
     # There is no stderr under pythonw and in some services.
     in_terminal = sys.stderr is not None and sys.stderr.isatty()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from math import pi
 from typing import Any
 
@@ -78,7 +78,7 @@ def _texts(value: Any) -> list[str]:
         return [value]
     if hasattr(value, "tolist"):
         value = value.tolist()
-    if not isinstance(value, Iterable) or isinstance(value, (bytes, Mapping)):
+    if not isinstance(value, (list, tuple)):
         return []
     return [text for part in value for text in _texts(part)]
 

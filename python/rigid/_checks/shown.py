@@ -45,6 +45,11 @@ def _short(value: Any) -> str:
     return repr(value.tolist())
 
 
+def counted(count: int, noun: str, plural: str = "") -> str:
+    """A count and its noun: ``1 time``, ``2,000 times``."""
+    return f"{count:,} {noun if count == 1 else plural or f'{noun}s'}"
+
+
 def aligned(rows: Sequence[Sequence[str]], right: Container[int] = ()) -> list[str]:
     """Lines of the cells side by side, to the left, but in some columns to the right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]

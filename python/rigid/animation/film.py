@@ -233,7 +233,7 @@ def film_of(
         if view == "box":
             parts = _box(one, momentum[:1], solid)
         else:
-            parts = (_cones if view == "cones" else _poinsot)(one, momentum[:1])
+            parts = _cones(one, momentum[:1]) if view == "cones" else _poinsot(one)
     steps = np.diff(t)
     if trail is None:
         trail = np.inf if view == "poinsot" else 0.25 * span
@@ -437,7 +437,7 @@ def _angle(one: Floats, other: Floats) -> float:
     return float(np.arctan2(np.linalg.norm(np.cross(one, other)), one @ other))
 
 
-def _poinsot(one: Recording, momentum: Floats) -> tuple[Part, ...]:
+def _poinsot(one: Recording) -> tuple[Part, ...]:
     """The inertia ellipsoid, which rolls on the invariable plane: polhode and herpolhode."""
     moments, omega = one.moments, one.omega
     in_body = moments * omega[0]
@@ -474,7 +474,7 @@ def _top(one: Recording, solid: Floats | None) -> tuple[Part, ...]:
     inks: tuple[str, ...] = (BODY,)
     tip, path = 1.0, "path of the axis through the centre of mass"
     if solid is None:
-        solid = top_faces(direction, _spread(one.moments), sectors=48)
+        solid = top_faces(direction, _spread(one.moments))
         inks, tip = (BODY,) * 6 + (AXES[0],) * 6, STEM
     turn = np.linspace(0.0, 2.0 * np.pi, 49)
     ring = np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)  # marks the fixed point

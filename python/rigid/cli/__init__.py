@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 from .._checks.arguments import positive_int, resolve_threads
 from .._checks.inputs import require_readable
 from .._checks.progress import heeding_signals
-from .._checks.shown import labelled, wrapped
+from .._checks.shown import counted, labelled, wrapped
 from .._files import published, require_ending, require_room
 from ..drawing.figure import new_figure
 from ..info import build_info
@@ -185,7 +185,7 @@ def _checked(
     most, share = "at most " if call.at_most else "", ""
     if options.part is not None:
         share = f", part {options.part}"
-    free = f"{threads} free thread{'s' if threads > 1 else ''}"
+    free = counted(threads, "free thread")
     lines = {
         "map": spec.title or name,
         **_planned(call.plan),
@@ -451,6 +451,6 @@ def _speed(result: StabilityMap) -> str:
     if not done:
         return "nothing was computed: all rows were stored"
     rate = done / result.elapsed if result.elapsed > 0.0 else 0.0
-    threads = f"{result.threads} thread{'s' if result.threads > 1 else ''}"
+    threads = counted(result.threads, "thread")
     share = "" if done == every else f"{done:,} of {every:,} bodies in "
     return f"{rate:,.0f} bodies per second, {share}{result.elapsed:.2f} s on {threads}"

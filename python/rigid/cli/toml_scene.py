@@ -102,21 +102,26 @@ ORBITS: tuple[Callable[..., Orbit], ...] = Orbit, Orbit.flyby, Orbit.table
 """What makes an orbit of its table."""
 
 
-_READ: Mapping[str, Callable[[Table, str], Any]] = {
-    **{name: lambda table, key: FORCES[key].of_data(table[key]) for name in FORCES},
-    "orbit": lambda table, key: _orbit(table.table(key)),
-    "rotor": lambda table, key: _rotor(table, key),
-}
+def _force(table: Table, key: str) -> Any:
+    return FORCES[key].of_data(table[key])
 
 
-def _orbit(table: Table) -> Any:
+def _orbit(table: Table, key: str) -> Any:
     """The orbit of a table, by the function that takes most of its keys."""
-    return table.call(max(ORBITS, key=lambda make: len(table.keys() & keys(make).keys())))
+    orbit = table.table(key)
+    return orbit.call(max(ORBITS, key=lambda make: len(orbit.keys() & keys(make).keys())))
 
 
 def _rotor(table: Table, key: str) -> Any:
     given = table[key]
     return table.table(key).call(RotorTable) if isinstance(given, dict) else given
+
+
+_READ: Mapping[str, Callable[[Table, str], Any]] = {
+    **dict.fromkeys(FORCES, _force),
+    "orbit": _orbit,
+    "rotor": _rotor,
+}
 
 
 def read_scene(table: Table) -> Scene:

@@ -45,7 +45,7 @@ def box_faces(half: ArrayLike) -> Floats:
     return faces
 
 
-def ellipsoid_faces(semi_axes: ArrayLike, *, rings: int = 14, sectors: int = 28) -> Floats:
+def ellipsoid_faces(semi_axes: ArrayLike, *, rings: int, sectors: int) -> Floats:
     """An ellipsoid in its principal axes, shape (rings sectors, 4, 3)."""
     tilt = np.linspace(0.0, np.pi, rings + 1)[:, np.newaxis]
     turn = np.linspace(0.0, 2.0 * np.pi, sectors + 1)
@@ -54,16 +54,14 @@ def ellipsoid_faces(semi_axes: ArrayLike, *, rings: int = 14, sectors: int = 28)
     return quads(np.stack([x, y, z], axis=-1) * np.asarray(semi_axes))
 
 
-def cone_faces(
-    axis: ArrayLike, half_angle: float, *, slant: float = 1.0, rings: int = 5, sectors: int = 40
-) -> Floats:
-    """A cone with its apex at the origin and without base, shape (rings sectors, 4, 3)."""
+def cone_faces(axis: ArrayLike, half_angle: float) -> Floats:
+    """A cone of slant 1 with its apex at the origin, without base: 5 rings of 40 faces."""
     first, second, along = across(axis)
-    turn = np.linspace(0.0, 2.0 * np.pi, sectors + 1)[:, np.newaxis]
+    turn = np.linspace(0.0, 2.0 * np.pi, 41)[:, np.newaxis]
     rim = np.cos(half_angle) * along + np.sin(half_angle) * (
         np.cos(turn) * first + np.sin(turn) * second
     )
-    return quads(np.linspace(0.0, slant, rings + 1)[:, np.newaxis, np.newaxis] * rim)
+    return quads(np.linspace(0.0, 1.0, 6)[:, np.newaxis, np.newaxis] * rim)
 
 
 def plane_face(centre: ArrayLike, normal: ArrayLike, half_width: float) -> Floats:
@@ -73,7 +71,7 @@ def plane_face(centre: ArrayLike, normal: ArrayLike, half_width: float) -> Float
     return np.asarray(centre) + half_width * np.array(corners)[np.newaxis]
 
 
-def top_faces(direction: ArrayLike, spread: ArrayLike, *, sectors: int = 32) -> Floats:
+def top_faces(direction: ArrayLike, spread: ArrayLike) -> Floats:
     """A spinning top with its fixed point at the origin and its centre of mass at distance one.
 
     Parameters
@@ -82,12 +80,11 @@ def top_faces(direction: ArrayLike, spread: ArrayLike, *, sectors: int = 32) -> 
         Direction to the centre of mass, in the body.
     spread : array_like, shape (3,)
         ``∫ x_i² dm`` along the body axes, which sets the shape perpendicular to the direction.
-    sectors : int
-        Number of faces of each circle.
 
     Returns
     -------
-    ndarray, shape (6 sectors, 4, 3)
+    ndarray, shape (288, 4, 3)
+        48 faces of each circle.
     """
     first, second, along = across(direction)
     plane = np.stack([first, second])
@@ -95,7 +92,7 @@ def top_faces(direction: ArrayLike, spread: ArrayLike, *, sectors: int = 32) -> 
     widths = np.sqrt(np.maximum(widths, 0.0))
     widths = np.maximum(0.5 * widths / (widths.max() or 1.0), 0.05)  # a rod has none
     axes = turned.T @ plane
-    turn = np.linspace(0.0, 2.0 * np.pi, sectors + 1)[:, np.newaxis]
+    turn = np.linspace(0.0, 2.0 * np.pi, 49)[:, np.newaxis]
     rim = widths[0] * np.cos(turn) * axes[0] + widths[1] * np.sin(turn) * axes[1]
     return quads(np.stack([radius * rim + height * along for radius, height in _PROFILE]))
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _core
-from .._checks.arrays import Floats, finite_array, require
+from .._checks.arguments import require, shaped
+from .._checks.arrays import Floats
 from .._checks.overflow import refuses_overflow
 
 LARGEST = 1e200
@@ -80,7 +81,7 @@ def carlson_rc(x: ArrayLike, y: ArrayLike) -> Floats:
     >>> round(float(rigid.exact.carlson_rc(0.0, 0.25)), 12)
     3.14159265359
     """
-    first, second = np.broadcast_arrays(finite_array("x", x), finite_array("y", y))
+    first, second = np.broadcast_arrays(shaped("x", x), shaped("y", y))
     require("x", first, first >= 0.0, "must not be negative")
     require("y", second, second != 0.0, "must not be zero")
     require("x", first, (first > 0.0) | (second > 0.0), "must be positive where y is negative")
@@ -174,7 +175,7 @@ def agm(a: ArrayLike, b: ArrayLike) -> Floats:
     >>> round(float(rigid.exact.agm(1.0, 2.0**0.5)), 12)
     1.198140234736
     """
-    first, second = np.broadcast_arrays(finite_array("a", a), finite_array("b", b))
+    first, second = np.broadcast_arrays(shaped("a", a), shaped("b", b))
     require("a", first, first >= 0.0, "must not be negative")
     require("b", second, second >= 0.0, "must not be negative")
     # By a power of two, which changes no digit, to numbers whose product is a double.
@@ -213,7 +214,7 @@ def jacobi(u: ArrayLike, mc: ArrayLike) -> tuple[Floats, Floats, Floats]:
     >>> [round(float(value), 12) for value in rigid.exact.jacobi(0.5, mc=0.3)]
     [0.467292005359, 0.884103037959, 0.920405740535]
     """
-    arguments, parameters = np.broadcast_arrays(finite_array("u", u), finite_array("mc", mc))
+    arguments, parameters = np.broadcast_arrays(shaped("u", u), shaped("mc", mc))
     require("u", arguments, np.abs(arguments) < 2.0**50, "must lie below 2**50 in size")
     require("mc", parameters, (parameters >= 0.0) & (parameters <= 1.0), "must lie in [0, 1]")
     sn, cn, dn = _called("jacobi", arguments, parameters)
@@ -221,7 +222,7 @@ def jacobi(u: ArrayLike, mc: ArrayLike) -> tuple[Floats, Floats, Floats]:
 
 
 def _carlson(name: str, arguments: dict[str, ArrayLike], *, positive: tuple[str, ...]) -> Floats:
-    arrays = np.broadcast_arrays(*(finite_array(key, value) for key, value in arguments.items()))
+    arrays = np.broadcast_arrays(*(shaped(key, value) for key, value in arguments.items()))
     for key, array in zip(arguments, arrays, strict=True):
         if key in positive:
             require(key, array, array > 0.0, "must be positive")

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arrays import Floats, require, vectors
+from .._checks.arguments import require
+from .._checks.arrays import Floats, of_size_one, vectors
 from .._checks.moments import without_spin
 from .._checks.shown import short_repr
 from ..model.batch import batch_shape, in_rows, rows_of_each
@@ -95,7 +96,7 @@ def free_body(body: Body | FreeBody, omega: ArrayLike) -> FreeMotion:
     (1, 52.660597)
     """
     rates = vectors("omega", omega)
-    moments = vectors("moments", body_of(body).moments)
+    moments, _ = of_size_one(vectors("moments", body_of(body).moments))  # their ratios alone matter
     shape = batch_shape({"body": moments.shape[:-1], "omega": rates.shape[:-1]})
     rates = rates_of_rods("omega", rates, moments)
     size = np.abs(rates).max(axis=-1)

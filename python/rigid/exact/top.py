@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float
-from .._checks.arrays import Floats, finite_array, require
+from .._checks.arguments import finite_float, require, shaped
+from .._checks.arrays import Floats
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
 from ..model.batch import batch_shape
@@ -239,7 +239,7 @@ def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> Stea
     """
     symmetry = _lagrange(scene)
     across, along, product = symmetry.across, symmetry.along, _product(scene, symmetry)
-    angles, spins = np.broadcast_arrays(finite_array("tilt", tilt), finite_array("spin", spin))
+    angles, spins = np.broadcast_arrays(shaped("tilt", tilt), shaped("spin", spin))
     require("tilt", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
     batch_shape({"scene": scene.shape, "tilt and spin": angles.shape})
     momentum = symmetry.side * along * spins
@@ -341,7 +341,7 @@ def pendulum_period(scene: HeavyTop, amplitude: ArrayLike, *, axis: int) -> Floa
         "axis",
         ("mgl", "com"),
     )
-    angles = finite_array("amplitude", amplitude)
+    angles = shaped("amplitude", amplitude)
     require("amplitude", angles, (angles >= 0.0) & (angles <= pi), "must lie in [0, pi] (rad)")
     batch_shape({"scene": scene.shape, "amplitude": angles.shape})
     frequency = np.sqrt(mgl / np.asarray(scene.body.moments)[..., about - 1])

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import exact, free
-from .._checks.arguments import brief, finite_float, positive_int, vector
+from .._checks.arguments import brief, finite_float, positive_int, vector, whole
 from .._checks.arrays import Floats
 from ..drawing import axes3d as draw
 from ..drawing import colours
@@ -265,11 +265,9 @@ def poinsot(run: Run, *, frame: int = 0) -> Picture:
     """
     scene = _free_body(run, "which Poinsot's picture shows", "Poinsot's picture")
     omega, attitude = states_of(run)
-    if isinstance(frame, bool) or not isinstance(frame, (int, np.integer)):
-        raise TypeError(f"frame = {brief(frame)}: must be a whole number")
-    if not -len(omega) <= frame < len(omega):
+    k = whole("frame", frame)
+    if not -len(omega) <= k < len(omega):
         raise ValueError(f"frame = {frame}: the run has {len(omega)} times")
-    k = int(frame)
     rolled: Any = free.poinsot(scene, omega, attitude)
     level = np.stack(across(rolled.normal))
     return Picture(

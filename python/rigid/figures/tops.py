@@ -719,7 +719,7 @@ def loci(
     >>> [one.kind for one in found.paths]
     ['loop', 'cusp']
     """
-    rates, _ = rows("omega", omega, 3)
+    rates = rows("omega", omega, 3)
     start = attitudes(attitude)
     if start.shape not in ((4,), (len(rates), 4)):
         raise ValueError(f"attitude: expected shape (4,) or {(len(rates), 4)}, got {start.shape}")

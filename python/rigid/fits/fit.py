@@ -290,7 +290,8 @@ def fit(
         Ascending times of the measurements (s), from any first time on, such as seconds of an
         epoch. Start and attitude belong to the first of them.
     omega : array_like, shape (m, 3)
-        Measured rates in the body (rad/s).
+        Measured rates in the body (rad/s); of measured attitudes, what
+        :func:`rigid.rotations.omega_from_attitudes` returns.
     sigma : float or array_like, shape (3,), (m, 1) or (m, 3)
         Standard deviation of the measurements (rad/s), positive: one, or one for each axis, time,
         or both.
@@ -413,7 +414,8 @@ def fit(
         )
     success = not reason
     if success:
-        reason = f"chi2 per degree of freedom = {found.squares / max(freedom, 1):.4g}: is possible"
+        per = found.squares / max(freedom, 1)
+        reason = f"chi2 per degree of freedom = {per:.4g}: noise of the size sigma explains it"
     else:
         warn_caller(f"the fit failed: {reason}", FitWarning)
     varied, rates = unknowns.at(found.x)

@@ -15,6 +15,7 @@ from ..model.forces import FORCES
 from ..model.parameters import AT_REST, PARAMETERS, PLACES, numbers_of, scene_of
 from ..model.scene import Scene
 from ..rotations.so3 import exp_so3, over, rodrigues
+from ..solve.request import MOST_STEPS
 from ..solve.simulate import simulate
 from ..solve.tangent import checked_names, differentiable, why_not
 
@@ -35,9 +36,6 @@ _GROUPS = {"damping": DAMPING, "omega": START, "bias": BIAS, "scale": SCALE, "se
 
 _EDGE = 1e-9
 """Share of the moments by which a body stays thicker than a rod or a plate."""
-
-_MOST_STEPS = 10**9
-"""Most steps of a run of the first guess, as in :func:`simulate`."""
 
 _NOTHING = 1e-30
 """Share of its size that a coefficient keeps at its bound of zero.
@@ -79,7 +77,7 @@ class Unknowns:
         fastest: float = np.inf,
     ) -> None:
         self.scene, self.start, self.attitude, self.frame = scene, start, attitude, frame
-        self.fastest, self.most_steps = fastest, _MOST_STEPS
+        self.fastest, self.most_steps = fastest, MOST_STEPS
         self.names = _checked_names(scene, free)
         moments = [name for name in self.names if name in (*MOMENTS, *RATIOS)]
         self._moving = sorted(MOMENTS.index(name[:2]) for name in moments)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks.arguments import numbers, one_of, times_of_each
-from .._checks.arrays import AttitudeLike, Floats, attitudes, of_size_one, require, vectors
+from .._checks.arguments import numbers, one_of, require, times_of_each
+from .._checks.arrays import AttitudeLike, Floats, attitudes, of_size_one, vectors
 from .._checks.overflow import refuses_overflow
 from ..model.batch import Shape, batch_shape
 from ..model.body_like import BodyLike, moments_of

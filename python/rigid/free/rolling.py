@@ -8,8 +8,8 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import positive_int
-from .._checks.arrays import AttitudeLike, Floats, attitudes, of_size_one, require, vectors
+from .._checks.arguments import positive_int, require
+from .._checks.arrays import AttitudeLike, Floats, attitudes, of_size_one, vectors
 from .._checks.overflow import refuses_overflow
 from ..model.body_like import BodyLike, moments_of
 from ..rotations.apply import to_space

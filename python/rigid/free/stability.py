@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
-from .._checks.arguments import finite_float, positive_int
-from .._checks.arrays import Floats, finite_array, of_size_one, vectors
+from .._checks.arguments import finite_float, positive_int, shaped
+from .._checks.arrays import Floats, of_size_one, vectors
 from .._checks.overflow import refuses_overflow
 from ..model.body import Body
 from ..model.body_like import BodyLike, moments_of
@@ -89,7 +89,7 @@ def permanent_rotation(body: BodyLike, axis: int, rate: ArrayLike = 1.0) -> Perm
     moments = moments_of(body)
     own = body_axis(axis) - 1
     i1, i2, i3 = (moments[..., (own + turn) % 3] for turn in range(3))
-    size = np.abs(finite_array("rate", rate))
+    size = np.abs(shaped("rate", rate))
     share = (i1 - i2) / i2 * ((i1 - i3) / i3)
     measure = share * size**2
     kinds = np.array(["unstable", "neutral", "stable"])
@@ -436,7 +436,7 @@ def throw_experiment(
     if isinstance(noise, np.random.Generator):
         added = NOISE * noise.random((3, 3))
     else:
-        added = finite_array("noise", noise)
+        added = shaped("noise", noise)
         if added.shape not in ((3,), (3, 3)):
             raise ValueError(f"noise: expected shape (3,) or (3, 3), got {added.shape}")
         added = np.broadcast_to(added, (3, 3)).copy()

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import sorted_times
-from .._checks.arrays import AttitudeLike, Floats, finite_array, of_size_one, require, vectors
+from .._checks.arguments import require, shaped, sorted_times
+from .._checks.arrays import AttitudeLike, Floats, of_size_one, vectors
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
 from ..exact import FreeMotion
@@ -236,7 +236,8 @@ def asymmetric_free_top(
     >>> round(float(top.period), 12), int(top.axis)
     (5.251429794838, 3)
     """
-    moments, rates = np.broadcast_arrays(moments_of(body), vectors("omega", omega))
+    unit, _ = of_size_one(moments_of(body))  # their ratios alone matter
+    moments, rates = np.broadcast_arrays(unit, vectors("omega", omega))
     shape = moments.shape[:-1]
     flat = np.ascontiguousarray(moments.reshape(-1, 3)), np.ascontiguousarray(rates.reshape(-1, 3))
     values = _core.free_quantities(moments=flat[0], omega=flat[1])
@@ -317,7 +318,7 @@ def steady_axis_frame(body: BodyLike, spin: ArrayLike, tilt: ArrayLike = 0.0) ->
     [0.0, 0.0, 3.0]
     """
     across, along = _third_axis(body)
-    nu, angle = finite_array("spin", spin), finite_array("tilt", tilt)
+    nu, angle = shaped("spin", spin), shaped("tilt", tilt)
     require("tilt", angle, (angle >= 0.0) & (angle < 0.5 * pi), "must lie in [0, pi/2) (rad)")
     axial, angle = np.broadcast_arrays(nu * along / (across - along), angle)
     return np.stack([axial * np.tan(angle), np.zeros(axial.shape), axial], axis=-1)

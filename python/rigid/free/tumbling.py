@@ -8,8 +8,8 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import first_place, one_of, shaped
-from .._checks.arrays import Floats, require, unit_vectors, vectors
+from .._checks.arguments import first_place, one_of, require, shaped
+from .._checks.arrays import Floats, of_size_one, unit_vectors, vectors
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
 from ..model.body import Body
@@ -219,7 +219,8 @@ def spin_state(
         turned.shape[:-1],
         to.shape[:-1],
     )
-    moments = np.broadcast_to(moments, (*shape, 3))
+    given = np.broadcast_to(moments, (*shape, 3))
+    moments, _ = of_size_one(given)
     to, turned = np.broadcast_to(to, (*shape, 3)), np.broadcast_to(turned, (*shape, 2))
     long_period, short_period = np.broadcast_arrays(
         np.broadcast_to(long_period, shape), short_period
@@ -230,7 +231,7 @@ def spin_state(
     if name == "SAM":
         require(
             "moments",
-            largest,
+            given.max(axis=-1),
             largest > middle,
             "a body has a short-axis mode only if this moment is above both others; use mode='LAM'",
         )
@@ -239,7 +240,7 @@ def spin_state(
     else:
         require(
             "moments",
-            smallest,
+            given.min(axis=-1),
             smallest < middle,
             "a body has a long-axis mode only if this moment is below both others; use mode='SAM'",
         )

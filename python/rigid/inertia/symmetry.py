@@ -54,7 +54,7 @@ class Symmetry:
 
 @refuses_overflow
 def symmetry_check(
-    points: ArrayLike, masses: ArrayLike | None = None, *, tolerance: float = 1e-9
+    points: ArrayLike, masses: ArrayLike | None = None, *, tolerance: float = 1e-8
 ) -> Symmetry:
     """Mirror planes and symmetry axes of a system of mass points.
 
@@ -135,7 +135,7 @@ def _kinds(radius: Floats, masses: Floats, tolerance: float) -> NDArray[np.intp]
     """A number for each point: points of equal mass and equal distance have the same number."""
     order = np.lexsort((radius, masses))
     mass, distance = np.diff(masses[order]), np.diff(radius[order])
-    new = (np.abs(mass) > tolerance * masses.max()) | (np.abs(distance) > 2.0 * tolerance)
+    new = (np.abs(mass) > tolerance * masses.max()) | (distance > tolerance)
     kinds = np.empty(len(radius), dtype=np.intp)
     kinds[order] = np.concatenate([[0], np.cumsum(new)])
     return kinds
@@ -147,7 +147,8 @@ def _orthogonal(
     """Orthogonal matrices that take two points to points of their kinds."""
     a, b = r[first], r[second]
     heres, theres = r[kinds == kinds[first]], r[kinds == kinds[second]]
-    i, j = np.nonzero(np.abs(heres @ theres.T - a @ b) <= 4.0 * tolerance)
+    # Each of the two images misses its point by a tolerance at most, and no radius exceeds one.
+    i, j = np.nonzero(np.abs(heres @ theres.T - a @ b) <= 2.0 * tolerance)
     across = np.cross(heres[i], theres[j])
     images = np.stack(
         [np.stack([heres[i], theres[j], sign * across], axis=-1) for sign in (1.0, -1.0)]
@@ -171,7 +172,7 @@ def _kept(group: Floats, r: Floats, kinds: NDArray[np.intp], tolerance: float) -
         images = r @ group[start : start + chunk]  # by the inverse, which misses by as much
         label = np.broadcast_to(apart, (*images.shape[:-1], 1))
         distance, _ = tree.query(np.concatenate([images, label], axis=-1))
-        kept[start : start + chunk] = distance.max(axis=-1) <= 8.0 * tolerance
+        kept[start : start + chunk] = distance.max(axis=-1) <= tolerance
     return kept
 
 

@@ -17,7 +17,7 @@ from ..solids.mass_properties import MassProperties
 _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
-def link_properties(path: str | os.PathLike[str], link: str | None = None) -> MassProperties:
+def link_properties(path: str | os.PathLike[str], link: str | None) -> MassProperties:
     """Mass, centre and tensor of inertia of a link; see :meth:`rigid.Body.from_urdf`."""
     content = Path(path).read_bytes()
     try:

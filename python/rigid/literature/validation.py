@@ -13,7 +13,7 @@ from typing import Any
 from .._checks.arguments import one_of
 from .._checks.extras import install_extra
 from .._checks.progress import ProgressOption, reporting
-from .._checks.shown import aligned, wrapped
+from .._checks.shown import aligned, counted, wrapped
 from ..drawing.figure import html_table
 from .entry import Entry
 
@@ -127,8 +127,8 @@ class Validation:
         agreeing = sum(row.agrees for row in self.rows)
         models = sum(row.explained for row in self.rows) - agreeing
         return (
-            f"<Validation: {len(self.rows)} numbers: {agreeing} agree, {models} of models that "
-            f"differ, {len(self.unexplained)} unexplained>"
+            f"<Validation: {counted(len(self.rows), 'number')}: {agreeing} agree, {models} of "
+            f"models that differ, {len(self.unexplained)} unexplained>"
         )
 
     def _repr_html_(self) -> str:

@@ -37,8 +37,10 @@ class Axis:
 
     @property
     def parameter(self) -> Parameter:
-        """The row of :data:`PARAMETERS` that the axis varies."""
-        return _own_parameter(self.name) if self.own else PARAMETERS[self.name]
+        """The row of :data:`PARAMETERS` that the axis varies, or the argument of the function."""
+        if not self.own:
+            return PARAMETERS[self.name]
+        return Parameter(self.name, "1", "argument of the function of the scene", "function")
 
     @property
     def unit(self) -> str:
@@ -70,11 +72,6 @@ class Axis:
         return f"{self.name} from {self.values[0]:g} to {self.values[-1]:g}{space} ({count})"
 
 
-def _own_parameter(name: str) -> Parameter:
-    """The parameter of a function that makes the scene."""
-    return Parameter(name, "1", "argument of the function of the scene", "function")
-
-
 def make_axes(axes: Mapping[str, ArrayLike], own: Container[str] = ()) -> tuple[Axis, ...]:
     """The axes of a map from names and values; x first, then y.
 
@@ -98,7 +95,10 @@ def make_axes(axes: Mapping[str, ArrayLike], own: Container[str] = ()) -> tuple[
 def check_axis_name(name: str) -> None:
     """Raise ValueError if no parameter of a map has this name."""
     if name not in PARAMETERS:
-        raise ValueError(f"axes: unknown parameter {brief(name)}{of_known(name, PARAMETERS)}")
+        raise ValueError(
+            f"axes: unknown parameter {brief(name)}{of_known(name, PARAMETERS)}; for a parameter "
+            "of yours give a function of it that returns the scene, instead of the scene"
+        )
 
 
 def _axis(name: str, values: ArrayLike, own: bool) -> Axis:
@@ -129,13 +129,7 @@ def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
         raise ValueError(f"noise = {start.noise.describe()}: {ATTITUDE_UNFELT}")
     if not scene.directions and start.omega is not None and start.tilt != 0.0:
         raise ValueError("tilt: has no effect on a free body started by omega; use Start(spin=...)")
-    axes = tuple(axes)
-    for axis in axes:
-        reason = axis.parameter.why_not(scene, start)
-        if reason:
-            raise ValueError(f"axes: {axis.name!r} does not apply: {reason}")
-    check_places("axes", axes)
-    check_once("axes", axes)
+    check_meanings("axes", tuple(axes), scene, start)
 
 
 class Named(Protocol):
@@ -150,10 +144,21 @@ class Named(Protocol):
         """The row of the parameter."""
 
 
-def check_places(argument: str, named: Sequence[Named]) -> None:
-    """Raise ValueError if parameters are in places that exclude each other."""
-    for one, other, reason in EXCLUSIVE:
-        _check_exclusive(argument, _at(named, one), _at(named, other), reason)
+def check_meanings(
+    argument: str, named: Sequence[Named], scene: Scene, start: Start, beside: Sequence[Named] = ()
+) -> None:
+    """Raise ValueError, with the reason, if parameters do not apply or exclude each other.
+
+    Those ``beside`` them, of another argument, may be in places that exclude theirs.
+    """
+    for one in named:
+        reason = one.parameter.why_not(scene, start)
+        if reason:
+            raise ValueError(f"{argument}: {one.name!r} does not apply: {reason}")
+    every = (*beside, *named)
+    for first, second, reason in EXCLUSIVE:
+        _check_exclusive(argument, _at(every, first), _at(every, second), reason)
+    check_once(argument, named)
 
 
 def check_once(argument: str, named: Sequence[Named]) -> None:

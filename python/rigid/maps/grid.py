@@ -150,7 +150,7 @@ def grid_shape(axes: tuple[Axis, ...]) -> tuple[int, ...]:
 
 
 def acting_forces(
-    scene: Scene, axes: tuple[Axis, ...], vary: tuple[Varied, ...] = ()
+    scene: Scene, axes: tuple[Axis, ...], vary: tuple[Varied, ...]
 ) -> tuple[str, ...]:
     """The names of the forces of a scene, and of those that axes set or that vary."""
     every: tuple[Axis | Varied, ...] = (*axes, *vary)

@@ -98,10 +98,10 @@ class View:
 def plot_map(
     data: MapData,
     *,
-    ax: Axes | None = None,
-    cells: bool = False,
-    what: str = SHARE,
-    at: Mapping[str, float] | None = None,
+    ax: Axes | None,
+    cells: bool,
+    what: str,
+    at: Mapping[str, float] | None,
 ) -> Axes | NDArray[np.object_]:
     """Draw a stability map: colour for the share of stable bodies, hatches where it misleads.
 
@@ -277,9 +277,10 @@ def _measured(measures: Measures, what: object) -> tuple[Floats, str, str]:
     pattern = rf"({'|'.join(NUMBERS)}|median|quantile (\S+)) of (.+)"
     found = re.fullmatch(pattern, str(what))
     if found is None or not isinstance(what, str):
+        one = next(iter(measures), "flips")
         raise ValueError(
             f"what = {brief(what)}: must be one of 'share', 'cost', 'exponent', 'mean_megno', "
-            "'largest_exponent', or such as 'mean of flips' or 'quantile 0.9 of flips'"
+            f"'largest_exponent', or such as 'mean of {one}' or 'quantile 0.9 of {one}'"
         )
     number, share, name = found.groups()
     try:

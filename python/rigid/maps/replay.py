@@ -247,7 +247,7 @@ def _parts(stable: Criterion, conditions: Iterable[tuple[str, float]]) -> tuple[
     parts = []
     rest = iter(conditions)
     for leaf in stable.leaves:
-        classes, times = zip(*itertools.islice(rest, leaf.width), strict=True)
+        classes, times = zip(*itertools.islice(rest, len(leaf.conditions())), strict=True)
         # All conditions of one criterion are to be kept; what is not known has no effect beside one
         # that was left.
         worst_first = ("unstable", "failed", "undecided", "stable")

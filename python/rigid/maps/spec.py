@@ -47,6 +47,7 @@ from ..solve.methods import (
     map_methods,
     method_named,
 )
+from ..solve.request import MOST_STEPS
 from ..solve.tangent import check_tangent
 from .axes import Axis, check_applicable, make_axes
 from .grid import Pixels, acting_forces, grid_shape, nominal_starts
@@ -168,7 +169,7 @@ class MapSpec:
     method: str = AUTO
     step: float | None = None
     check: float | None = None
-    max_steps: int = 1_000_000_000
+    max_steps: int = MOST_STEPS
     half_width: float | None = None
     refine: int | None = None
     budget: int | None = None

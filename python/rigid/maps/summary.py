@@ -16,7 +16,7 @@ from .measured import Measured
 from .refine import LEFT_OUT, refined
 from .spec import MapSpec
 from .theory import agreement, predict
-from .words import axis_words, own_unit
+from .words import own_unit
 
 
 def summary(data: MapData) -> str:
@@ -26,7 +26,10 @@ def summary(data: MapData) -> str:
     lines = [
         ("scene", spec.scene_words.replace("rad/s", own_unit(spec, "rad/s"))),
         ("start", start.replace("rad/s", own_unit(spec, "rad/s"))),
-        *((axis_letter(place), axis_words(spec, axis)) for place, axis in enumerate(spec.axes)),
+        *(
+            (axis_letter(place), axis.words(own_unit(spec, axis.unit)))
+            for place, axis in enumerate(spec.axes)
+        ),
         *([("varied", ", ".join(map(str, spec.vary)))] if spec.vary else []),
         ("stable", spec.criterion),
         ("method", _method(data)),

@@ -28,7 +28,7 @@ from ..model.parameters import (
 from ..model.scene import Scene, check_scene
 from ..model.seed import seed_from
 from ..model.start import Start
-from .axes import Axis, check_once, check_places, in_order
+from .axes import Axis, check_meanings, in_order
 
 Numbers = NDArray[np.uint64]
 
@@ -107,12 +107,7 @@ def _is_of_body(row: Parameter) -> bool:
 
 def check_varied(scene: Scene, start: Start, vary: Sequence[Varied], axes: Sequence[Axis]) -> None:
     """Raise ValueError, with the reason, if a varied parameter has no meaning here."""
-    for one in vary:
-        reason = one.parameter.why_not(scene, start)
-        if reason:
-            raise ValueError(f"vary: {one.name!r} does not apply: {reason}")
-    check_places("vary", (*axes, *vary))
-    check_once("vary", vary)
+    check_meanings("vary", vary, scene, start, beside=axes)
     nominal = {axis.name for axis in axes}
     for one in vary:
         if one.noise.relative and one.name not in nominal:

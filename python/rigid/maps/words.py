@@ -34,11 +34,6 @@ def axis_label(spec: MapSpec, axis: Axis) -> str:
     return axis.label if unit == axis.unit else f"{axis.parameter.symbol} ({unit})"
 
 
-def axis_words(spec: MapSpec, axis: Axis) -> str:
-    """An axis with its range in words."""
-    return axis.words(own_unit(spec, axis.unit))
-
-
 def own_unit(spec: MapSpec, unit: str) -> str:
     """The unit of the numbers of a map, whose time is counted in orbits or seconds."""
     return {"rad/s": "n", "s": "1/n"}.get(unit, unit) if spec.clock.by_motion else unit

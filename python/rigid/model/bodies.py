@@ -15,7 +15,7 @@ from .._checks.moments import hold_rods, refuse_rods, without_spin
 from .batch import Shape, batch_shape, in_rows, rows_of_each
 from .body import rates_of_rods
 from .frame import attitudes_in_principal_axes, turned
-from .scene import Scene
+from .scene import HeavyTop, Scene
 from .torque import NO_EXPONENT, forces_of
 
 SLOWEST = 1e-140
@@ -274,7 +274,8 @@ class Bodies:
             return
         body = int(np.argmax(heavy))
         place = self._place(body) if len(heavy) > 1 else ""
-        values = np.abs(in_rows(scene.weight, self.shape)).max(axis=1)
+        assert isinstance(scene, HeavyTop)
+        values = in_rows(np.asarray(scene.mgl)[..., np.newaxis], self.shape)[:, 0]
         leasts = np.ldexp(self.moments.min(axis=1), self.scale_exponent)
         value, least = (np.broadcast_to(each, heavy.shape)[body] for each in (values, leasts))
         raise ValueError(

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, finite_float, first_place, numbers, shaped, vector
+from .._checks.arguments import brief, finite_float, first_place, numbers, shaped, truth, vector
 from .._checks.arrays import Floats
 from .._checks.moments import (
     box_moments,
@@ -18,7 +18,6 @@ from .._checks.moments import (
     hold_rods,
     possible_moments,
     refuse_rods,
-    refuse_tensor,
     rods,
     symmetric_tensor,
     symmetry_axis,
@@ -135,9 +134,7 @@ takes such moments as they are
         sides: ArrayLike | None = None,
         physical: bool = True,
     ) -> None:
-        if not isinstance(physical, bool):
-            raise TypeError(f"physical = {brief(physical)}: must be True or False")
-        checked = _checked_moments(moments, physical)
+        checked = _checked_moments(moments, truth("physical", physical))
         shape = np.shape(checked)[:-1]
         set_field = object.__setattr__  # the dataclass is frozen
         set_field(self, "moments", checked)
@@ -937,9 +934,7 @@ def _checked_moments(value: ArrayLike, physical: bool) -> Moments:
     array = numbers("moments", value)
     if not array.ndim or array.shape[-1] != 3:
         raise ValueError(f"moments: expected shape (3,) or (..., 3), got {array.shape}")
-    refuse_tensor("moments", array)
-    moments = checked_moments("moments", array, physical)
-    return vector_of(moments)
+    return vector_of(checked_moments(array, physical))
 
 
 def _checked_mass(value: ArrayLike, shape: Shape) -> float | Floats:

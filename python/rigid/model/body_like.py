@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief
 from .._checks.arrays import Floats, vectors
-from .._checks.moments import checked_moments, refuse_rods, refuse_tensor
+from .._checks.moments import checked_moments, refuse_rods
 from .body import Body, pair_hint
 from .scene import FreeBody, Scene, require_unforced
 
@@ -37,8 +37,7 @@ def moments_of(body: object, *, rod: bool = False) -> Floats:
     given: Any = body_of(body).moments if is_body else body
     moments = vectors("moments", given)  # ValueError if it is no array
     if not is_body:
-        refuse_tensor("moments", moments)
-        moments = checked_moments("moments", moments)
+        moments = checked_moments(moments)
     if not rod:
         refuse_rods(moments)
     return moments.copy()

@@ -13,7 +13,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from .._checks.arguments import brief, finite_float, one_of
+from .._checks.arguments import finite_float, one_of, truth
 from .._checks.shown import angle_words
 from .criterion import Condition, Criterion, checked
 from .forces import forces_in_words
@@ -32,13 +32,6 @@ NOT_NEGATIVE = partial(finite_float, nonnegative=True)
 def signed_axis(_name: str, axis: object) -> int:
     """A body axis, or its opposite direction."""
     return body_axis(axis, signed=True)
-
-
-def truth(name: str, value: object) -> bool:
-    """True or False."""
-    if not isinstance(value, bool):
-        raise TypeError(f"{name} = {brief(value)}: must be True or False")
-    return value
 
 
 def checked_angle(name: str, value: float) -> float:
@@ -142,7 +135,6 @@ class TiltBetween(Criterion):
 
     name: ClassVar[str] = "tilt_between"
     record: ClassVar[str] = "axis"
-    width: ClassVar[int] = 2
 
     low: float = checked(NOT_NEGATIVE)
     high: float = checked(checked_angle)

@@ -47,8 +47,6 @@ class Criterion(ABC):
         The state that must be integrated to observe the criterion.
     has_deviation : bool
         Whether a deviation vector is integrated with the motion.
-    width : int
-        Number of its conditions.
     alone : str or None
         Why it is not joined with others; None if it is.
     limited : str or None
@@ -62,7 +60,6 @@ class Criterion(ABC):
     stays: ClassVar[str] = "stable"
     record: ClassVar[str]
     has_deviation: ClassVar[bool] = False
-    width: ClassVar[int] = 1
     alone: ClassVar[str | None] = None
     limited: ClassVar[str | None] = None
 
@@ -86,7 +83,10 @@ class Criterion(ABC):
         """The conditions that the core watches: name, axis and limits of each."""
 
     def logic(self) -> tuple[int | str, ...]:
-        """How the conditions are joined, in postfix notation: their numbers and ``& | ~``."""
+        """How the conditions are joined, in postfix notation: their numbers and ``& | ~``.
+
+        Each condition stands in it once.
+        """
         return (0,)
 
     @property
@@ -185,10 +185,9 @@ class Joined(Criterion):
     def logic(self) -> tuple[int | str, ...]:
         """The logic of the criteria, joined."""
         words: list[int | str] = []
-        first = 0
         for part in self.parts:
+            first = sum(isinstance(word, int) for word in words)
             words += [word if isinstance(word, str) else word + first for word in part.logic()]
-            first += sum(leaf.width for leaf in part.leaves)
         return (*words, SIGNS[self.operation])
 
     def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
@@ -209,7 +208,7 @@ class Joined(Criterion):
 def can_be_left(logic: Sequence[int | str]) -> bool:
     """Whether the logic may turn from true to false while its conditions fail one by one.
 
-    Each condition stands in it once, so that one that is not negated, or twice, decides somewhere.
+    A condition that is not negated, or twice, decides somewhere, because it stands there once.
     """
     stack: list[set[bool]] = []  # whether conditions of a part are negated
     for word in logic:

@@ -16,7 +16,7 @@ Damping: TypeAlias = tuple[Vector, Vector, Vector] | Floats
 """The damping matrix of one body, or of many with shape (..., 3, 3)."""
 
 
-def checked_damping(damping: ArrayLike, shape: Shape = ()) -> Damping | None:
+def checked_damping(damping: ArrayLike, shape: Shape) -> Damping | None:
     """The matrices of a damping given by coefficients or matrices; None if all are zero.
 
     ``shape`` has the axes of the bodies that the damping is for.

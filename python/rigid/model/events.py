@@ -287,7 +287,7 @@ def crosses(
         axis, about which the moment is smallest, if it is the same of all bodies.
     of : {"radial", "along", "normal"} or array_like, shape (3,), optional
         The direction of ``"pointing"``: of the orbit, as in :func:`pointing_within`, by default
-        away from the planet; or a vector in space.
+        away from the planet, to which the nadir is opposite; or a vector in space.
     axes : (int, int), optional
         The body axes of roll, pitch and yaw, as in :func:`rigid.free.roll_pitch_yaw`.
 

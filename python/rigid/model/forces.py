@@ -306,10 +306,6 @@ class GravityGradient(Force[Orbit]):
         """Its numbers, shape (..., 9), or the table that it is."""
         return value if isinstance(value, Sampled) else value.numbers
 
-    def made(self, numbers: Any) -> Orbit | None:
-        """The orbit with these numbers."""
-        return Orbit.of_numbers(numbers)
-
     def guess(self, numbers: Floats, moment: float, rate: float) -> Floats:
         """Of the rate a share, of the eccentricity and the anomaly all that is not told at once."""
         return np.array([0.1 * numbers[0], 0.1, 1.0])

@@ -11,7 +11,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import brief, finite_float, shaped
+from .._checks.arguments import brief, finite_float, shaped, whole
 from .._checks.arrays import Floats
 from .._core import MOST_STATES
 from .batch import ByValue, Index, Shape, axes_of, batch_shape, frozen, taken
@@ -58,9 +58,8 @@ class TorqueFunction(ByValue):
         TypeError, ValueError
             If it is neither, data or bound are not finite, or the states are too many.
         """
-        if isinstance(states, bool) or not isinstance(states, (int, np.integer)):
-            raise TypeError(f"states = {brief(states)}: must be a whole number")
-        if not 0 <= states <= MOST_STATES:
+        count = whole("states", states)
+        if not 0 <= count <= MOST_STATES:
             raise ValueError(f"states = {states}: must lie in 0 to {MOST_STATES} for each body")
         numbers = None
         if data is not None:
@@ -72,8 +71,8 @@ class TorqueFunction(ByValue):
         if fastest is not None:
             bound = finite_float("fastest", fastest, positive=True, unit="rad/s")
         width = 0 if numbers is None else numbers.shape[-1]
-        start = frozen(np.zeros(states)) if states else None
-        return cls(_callback(function, width, int(states)), numbers, bound, start)
+        start = frozen(np.zeros(count)) if count else None
+        return cls(_callback(function, width, count), numbers, bound, start)
 
     @property
     def states(self) -> int:

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import (
-    brief,
     finite_float,
     first_place,
     numbers,
     of_shape,
     one_of,
+    truth,
     vector,
 )
 from .._checks.arrays import unit_quaternions
@@ -305,8 +305,7 @@ class Samples:
                 off[:, np.newaxis], unit_quaternions("attitude", attitude), attitude
             )
             object.__setattr__(self, "attitude", tuple(map(tuple, attitude.tolist())))
-        if not isinstance(self.in_order, bool):
-            raise TypeError(f"in_order = {brief(self.in_order)}: must be True or False")
+        truth("in_order", self.in_order)
         if self.weights is not None:
             if self.in_order:
                 raise ValueError("weights: samples that are used in order have none")

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _core
-from .._checks.arguments import finite_float, first_place, numbers, of_shape, shaped
+from .._checks.arguments import finite_float, first_place, numbers, of_shape, require, shaped
 from .._checks.arrays import UNIT, AttitudeLike, Floats, attitudes, unit_vectors, vectors
 from ..rotations import matrix_to_quaternion
 from ..rotations.apply import to_body
@@ -66,7 +66,8 @@ class Orbit(ByValue):
         Unit vector about which the body goes around, in space.
     periapsis : array_like, shape (3,) or (..., 3)
         Unit vector from the planet to the periapsis, in space, at right angles to ``normal``. On a
-        circle it is where the body is at the anomaly 0.
+        circle it is where the body is at the anomaly 0. Of the elements Ω, i, ω (rad), ``normal``
+        and ``periapsis`` are columns 3 and 1 of ``rigid.rotations.euler_to_matrix([Ω, i, ω])``.
     true_anomaly : float or array_like, shape (...), optional
         Angle from the periapsis at ``t = 0`` (rad), instead of ``anomaly``. On a hyperbola it is
         within the asymptotes, ``cos f > -1/e``.
@@ -101,6 +102,14 @@ class Orbit(ByValue):
     >>> run = rigid.simulate(scene, [0.0, 0.0, 1.001], t=[0.0, period], accuracy=1e-9)
     >>> [round(rate, 6) for rate in run.omega[-1].tolist()]
     [0.0, 0.0, 1.001]
+
+    An orbit of the Earth by its semi-major axis (m) and its elements:
+
+    >>> axes = rigid.rotations.euler_to_matrix(np.radians([20.0, 97.4, 0.0]))  # Ω, i, ω
+    >>> n = np.sqrt(3.986004e14 / 6.878e6**3)
+    >>> orbit = rigid.Orbit(n, eccentricity=0.001, normal=axes[:, 2], periapsis=axes[:, 0])
+    >>> round(float(orbit.period) / 60.0, 1)  # min
+    94.6
     """
 
     rate: float | Floats
@@ -210,7 +219,8 @@ class Orbit(ByValue):
         Raises
         ------
         ValueError
-            If ``gm``, ``periapsis`` or ``speed`` is not positive, or as for :class:`Orbit`.
+            If ``gm``, ``periapsis`` or ``speed`` is not positive, or they give no hyperbola of this
+            class, as in different units; or as for :class:`Orbit`.
 
         Examples
         --------
@@ -226,7 +236,15 @@ class Orbit(ByValue):
         fast = shaped("speed", speed, positive=True, unit="m/s")
         passage = shaped("time", time, unit="s")
         rate, plane = fast**3 / mu, _plane(normal, towards, "towards")
-        return cls(rate, 1.0 + nearest * fast**2 / mu, -rate * passage, *plane)
+        e, (least, largest) = 1.0 + nearest * fast**2 / mu, HYPERBOLA
+        require(
+            "eccentricity",
+            e,
+            (e >= least) & (e <= largest),
+            f"1 + periapsis speed² / gm must lie in [{least}, {largest:g}]; are the lengths and "
+            "times of gm, periapsis and speed in the same units?",
+        )
+        return cls(rate, e, -rate * passage, *plane)
 
     @staticmethod
     def table(t: ArrayLike, positions: ArrayLike, gm: float) -> OrbitTable:

@@ -75,7 +75,7 @@ class Parameter:
             below, above = self.gap
             return f"must lie in [{self.lowest:.6g}, {below:g}] or [{above:g}, {self.highest:.6g}]"
         if self.highest < np.inf:
-            return f"must lie in [{self.lowest:.6g}, {self.highest:.6g}]"
+            return f"must lie in [{self.lowest:.6g}, {self.highest:.6g}] ({self.unit})"
         if self.lowest > 0.0:
             return f"must be at least {self.lowest:g}"
         return "must be positive" if self.open_end else "must not be negative"
@@ -275,11 +275,6 @@ class Place:
     guess: Guess | None = None
 
 
-def _or_zero(value: ArrayLike | None, *shape: int) -> Floats:
-    """The value as an array, or zeros of this shape if there is none."""
-    return np.zeros(shape) if value is None else np.asarray(value)
-
-
 def _semi_axes(scene: Scene, _start: Start) -> Floats:
     """``a/b`` and ``c/b`` of homogeneous ellipsoids with these moments; NaN if there is none."""
     moments = np.asarray(scene.body.moments)
@@ -305,7 +300,8 @@ def _torque_in_body(scene: Scene, _start: Start) -> Floats:
 
 
 def _damping(scene: Scene, _start: Start) -> Floats:
-    return np.diagonal(_or_zero(scene.damping, 3, 3), axis1=-2, axis2=-1)
+    damping = scene.damping
+    return np.zeros(3) if damping is None else np.diagonal(damping, axis1=-2, axis2=-1)
 
 
 def _further(name: str) -> Place:

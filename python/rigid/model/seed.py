@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._checks.arguments import brief
+from .._checks.arguments import brief, whole
 
 
 def seed_from(rng: int | np.random.Generator | np.random.SeedSequence | None) -> int:
@@ -27,8 +27,7 @@ def seed_from(rng: int | np.random.Generator | np.random.SeedSequence | None) ->
 
 def checked_seed(name: str, seed: object) -> int:
     """``seed`` as a key of the random numbers, a whole number of at most 128 bits."""
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)):
-        raise TypeError(f"{name} = {brief(seed)}: must be a whole number")
-    if not 0 <= int(seed) < 2**128:
+    number = whole(name, seed)
+    if not 0 <= number < 2**128:
         raise ValueError(f"{name} = {brief(seed)}: must lie in 0 .. 2**128 - 1")
-    return int(seed)
+    return number

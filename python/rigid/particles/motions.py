@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import shaped, sorted_times, together, vectors
+from .._checks.arguments import shaped, sorted_times, together, vectors_together
 from .._checks.arrays import Floats, of_size_one
 from .._checks.matrices import rotation_matrices
 from .._checks.overflow import refuses_overflow
@@ -283,7 +283,7 @@ def velocity_field(
     >>> particles.velocity_field([0, 0, 2], [[1, 0, 0], [0, 3, 0]], velocity=[0, 0, 1]).tolist()
     [[0.0, 2.0, 1.0], [-6.0, 0.0, 1.0]]
     """
-    w, r, v, r0 = vectors(omega=omega, points=points, velocity=velocity, base=base)
+    w, r, v, r0 = vectors_together(omega=omega, points=points, velocity=velocity, base=base)
     return np.asarray(v + np.cross(w, r - r0))
 
 

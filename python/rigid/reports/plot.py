@@ -53,7 +53,7 @@ NAME_SIZE = 8.0
 """Size of the names of methods (points)."""
 
 
-def plot_report(report: ReportData, *, ax: Axes | None = None) -> Any:
+def plot_report(report: ReportData, ax: Axes | None) -> Any:
     """Draw error against processor time, both axes logarithmic.
 
     Each method has a line, with its name at the end, in the colour of its family. The broad line
@@ -169,7 +169,7 @@ def _draw_trade_off(
     ax: Axes,
     lines: Mapping[str, Points],
     *,
-    reference: Reference | None = None,
+    reference: Reference | None,
     times: tuple[float, float] | None = None,
 ) -> None:
     """Draw error against time of each method, the best of families, and the Pareto front.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from .._checks.shown import counted
 from ..drawing.figure import html_with_picture
 from .data import ReportData
 from .plot import plot_report
@@ -83,7 +84,7 @@ class Report(ReportData):
         >>> result.plot().shape
         (2, 3)
         """
-        return plot_report(self, ax=ax)
+        return plot_report(self, ax)
 
     def __str__(self) -> str:
         return report_text(self)
@@ -92,7 +93,8 @@ class Report(ReportData):
         title = self.spec.title or self.spec.scene.words()
         partial = "" if self.complete else "; partial"
         over = f" over {self.horizon:g} revolutions" if self.spec.revolutions else ""
-        runs = f"{len(self.rows)} runs by {len(self.methods)} methods{over}"
+        by = counted(len(self.methods), "method")
+        runs = f"{counted(len(self.rows), 'run')} by {by}{over}"
         return f"<Report: {title}; {runs}{partial}>"
 
     def _repr_html_(self) -> str:

@@ -16,7 +16,7 @@ from .. import _core
 from .._checks.arguments import one_of
 from .._checks.arrays import Floats
 from .._checks.progress import ProgressOption, reporting
-from .._checks.shown import aligned, wrapped
+from .._checks.shown import aligned, counted, wrapped
 from ..drawing.figure import html_text
 from ..model.bodies import bodies_of
 from ..solve.methods import EXACT, run_methods
@@ -112,8 +112,8 @@ class Extremes:
         counts = self.counts()
         wrong = counts.pop(UNDETECTED_ERROR, 0)
         others = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
-        errors = f"{wrong or 'no'} undetected error{'s' if wrong > 1 else ''}"
-        runs = f"{len(self.cells)} run{'' if len(self.cells) == 1 else 's'}"
+        errors = counted(wrong, "undetected error") if wrong else "no undetected error"
+        runs = counted(len(self.cells), "run")
         return f"{errors} in {runs}{f': {others}' if others else ''}"
 
 

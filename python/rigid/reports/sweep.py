@@ -23,6 +23,7 @@ import numpy as np
 from .._checks.arrays import Floats
 from ..model.scene import Scene
 from ..solve.methods import EXACT
+from ..solve.request import MOST_STEPS
 from ..solve.run import Run
 from ..solve.status import ARRIVED
 from .data import AT_UNCERTAINTY, FAILED, REFERENCE, USELESS, Row, at_common_time
@@ -38,8 +39,6 @@ LEAST = 1.0
 """Least processor time (ns) of a body; a shorter time is an error of the measurement."""
 
 MOST_ROUNDS = 9
-
-MOST_STEPS = 10**9
 
 PLATEAU_ANGLE = 0.1
 """A method that stagnates with steps longer than this (rad) may still converge."""

@@ -194,14 +194,13 @@ class Crossings(Points, Result):
             np.bincount(body, minlength=bodies).reshape(shape)
             for body in (self.body, self.body[self.grazing])
         )
-        columns = (self.complete, self.stays, self.status, self.end, self.lost_from)
+        columns = (self.stays, self.status, self.end, self.lost_from)
         return sentences(self._words, counts, grazing, *columns)
 
     def _words(
         self,
         count: int,
         grazing: int,
-        complete: bool,
         stays: bool,
         status: int,
         end: float,
@@ -233,7 +232,7 @@ class Crossings(Points, Result):
         Parameters
         ----------
         x, y : str
-            Columns, as in :meth:`component`.
+            Columns, as in :meth:`component`; of a moon at its periapsis ``"angle1"``, ``"omega3"``.
         ax : matplotlib Axes, optional
             By default the axes of a new figure.
         size : float

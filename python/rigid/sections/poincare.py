@@ -18,7 +18,7 @@ from ..model.scene import Scene, check_scene
 from ..rotations.apply import to_body
 from ..solve.choose_method import choose_method
 from ..solve.methods import adaptive_methods
-from ..solve.request import Problem
+from ..solve.request import MOST_STEPS, Problem
 from ..solve.simulate import simulate
 from ..solve.status import Status
 from ..solve.surfaces import Watched, default_method, default_tolerance, found_points
@@ -45,7 +45,7 @@ def poincare(
     method: str | None = None,
     tolerance: float | None = None,
     check: bool = True,
-    max_steps: int = 10**9,
+    max_steps: int = MOST_STEPS,
     threads: int | None = None,
     progress: ProgressOption = None,
 ) -> Crossings:

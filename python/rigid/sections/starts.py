@@ -19,8 +19,11 @@ DRAWS = 4096
 ROUNDS = 500
 """Draws after which a surface counts as out of reach."""
 
-LATTICE = 4096
-"""Points of the sphere at which the least energy is first looked for."""
+FAINT = 1e-30
+"""A component of the weight, as a share of the largest, that changes no digit of an energy."""
+
+HALVINGS = 60
+"""Halvings of an interval of logarithms, at most 1000 long, to the spacing of doubles."""
 
 
 @refuses_overflow
@@ -84,7 +87,7 @@ def on_surface(
     count = positive_int("count", count)
     surface = checked_section(section)
     body = _Top(top, momentum)
-    least = body.least_energy()
+    least = least_energy(top, momentum)
     if level < least:
         raise ValueError(
             f"energy = {level!r}: must be at least {least:.9g} J with l_gamma = {momentum!r}"
@@ -105,8 +108,34 @@ def on_surface(
 
 
 def least_energy(top: HeavyTop, l_gamma: float) -> float:
-    """The least energy (J) of a top with this angular momentum about the vertical."""
-    return _Top(check_heavy_top(top), l_gamma).least_energy()
+    """The least energy (J) of a top with this angular momentum L about the vertical.
+
+    The top turns about the vertical, and each component of the vertical has the opposite sign of
+    the weight w. The energy ``L²/(2 Σ I_k y_k) - Σ |w_k| sqrt(y_k)`` is a convex function of the
+    squares y of the components, so it has one minimum, a rotation about an axis of Staude's cone:
+    ``sqrt(y_k)`` is proportional to ``|w_k| / (x + 1 - I_k / max(I))``, where a monotonic equation
+    determines x > 0.
+    """
+    moments, weight = np.array(top.body.moments), np.abs(np.reshape(top.weight, 3))
+    largest, heaviest = moments.max(), weight.max()
+    kinetic = 0.5 * l_gamma * (l_gamma / largest)
+    turning = 2.0 * kinetic / heaviest if heaviest else 0.0
+    if not turning:
+        return float(kinetic - np.linalg.norm(weight))
+    inertia, pull = moments / largest, weight / heaviest
+    apart = (largest - moments) / largest
+    # Without a component along the axis of the largest moment x may be zero.
+    pull[moments.argmax()] = max(pull[moments.argmax()], FAINT)
+    low = np.log(np.linalg.norm(pull[apart == 0.0])) + 2.0 * np.log(inertia.min())
+    low, high = np.array([low, np.log(np.linalg.norm(pull))]) - np.log(turning)
+    for _ in range(HALVINGS):
+        half = 0.5 * (low + high)
+        parts = pull / (np.exp(half) + apart)
+        size = parts.max() * np.linalg.norm(parts / parts.max())
+        vertical = parts / size
+        about = inertia @ vertical**2
+        low, high = (half, high) if size * about**2 > turning else (low, half)
+    return float(heaviest * (0.5 * turning / about - pull @ vertical))
 
 
 class _Top:
@@ -123,30 +152,6 @@ class _Top:
         about = np.sum(self.moments * gamma**2, axis=-1)
         least: Floats = gamma @ self.weight + 0.5 * self.momentum**2 / about
         return least
-
-    def least_energy(self) -> float:
-        """The least energy of all verticals: the best of a lattice, refined by pattern search."""
-        gamma = _lattice(LATTICE)
-        gamma = gamma[np.argsort(self.effective(gamma), kind="stable")[:16]]
-        reach = np.full(len(gamma), 4.0 / np.sqrt(LATTICE))
-        best = self.effective(gamma)
-        # Along a valley of equal energies a step of the size s gains less than their range times
-        # s³, by the bend of the sphere alone: the search would creep on and on.
-        turning = 0.5 * self.momentum**2 / self.moments
-        span = np.linalg.norm(self.weight) + np.ptp(turning)
-        while reach.max() > 1e-9:
-            across, along = _frame(gamma)
-            ways = np.stack([across, -across, along, -along])
-            trial = gamma + reach[:, np.newaxis] * ways
-            trial /= np.linalg.norm(trial, axis=-1, keepdims=True)
-            energies = self.effective(trial)
-            way, bodies = np.argmin(energies, axis=0), np.arange(len(gamma))
-            found = energies[way, bodies]
-            better = found < best - span * reach**3
-            gamma = np.where(better[:, np.newaxis], trial[way, bodies], gamma)
-            best = np.where(better, found, best)
-            reach = np.where(better, reach, 0.5 * reach)
-        return float(best.min())
 
     def drawn(
         self, generator: np.random.Generator, energy: float, surface: Section, normal: Floats
@@ -216,14 +221,6 @@ class _Top:
         else:
             slope = change @ normal[:3] + turn @ normal[3:]
         return slope
-
-
-def _lattice(count: int) -> Floats:
-    """Directions spread evenly over the sphere (a Fibonacci lattice)."""
-    k = np.arange(count) + 0.5
-    z, turn = 1.0 - 2.0 * k / count, np.pi * (1.0 + np.sqrt(5.0)) * k
-    radius = np.sqrt(1.0 - z * z)
-    return np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)
 
 
 def _frame(normal: Floats) -> tuple[Floats, Floats]:

@@ -237,7 +237,7 @@ def _plan_of_any_start(problem: Problem) -> Plan:
     """The plan of a scene whose motions all have a closed form."""
     assert problem.bodies is not None
     number = max(len(problem.bodies), 1)
-    own = replace(problem, bodies=None, times=None, method=None, number=number)
+    own = replace(problem, bodies=None, times=None, number=number)
     return choose_method(own).plan()
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .._checks.arguments import one_of, one_time, positive_int
 from .._checks.arrays import Floats
+from .._checks.shown import counted
 from ..drawing.colours import CLASSES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_with_picture, name_classes
 from ..model.batch import Shape
@@ -129,8 +130,9 @@ class Growth(Result):
     def __repr__(self) -> str:
         verdicts = np.ravel(self.verdict).tolist()
         counts = ", ".join(f"{verdicts.count(one)} {one}" for one in sorted(set(verdicts)))
-        each = "one body" if np.ndim(self.verdict) == 0 else f"{len(verdicts)} bodies"
-        return f"<Growth: {each} at {len(self.t)} times; {counts or 'none'}>"
+        one = np.ndim(self.verdict) == 0
+        each = "one body" if one else counted(len(verdicts), "body", "bodies")
+        return f"<Growth: {each} at {counted(len(self.t), 'time')}; {counts or 'none'}>"
 
     def _repr_html_(self) -> str:
         return html_with_picture(lambda ax: self.plot(ax=ax), repr(self))

@@ -22,7 +22,7 @@ from .choose_method import choose_method
 from .closed_form import NO_FORM, closed_forms
 from .growth import Growth
 from .methods import EXACT, TO_ROUNDING
-from .request import Problem
+from .request import MOST_STEPS, Problem
 from .solution import solve
 from .status import Status
 from .tangent import check_tangent
@@ -64,7 +64,7 @@ def lyapunov(
     method: str | None = None,
     step: float | None = None,
     check: bool = True,
-    max_steps: int = 10**9,
+    max_steps: int = MOST_STEPS,
     threads: int | None = None,
     progress: ProgressOption = None,
 ) -> Growth:

@@ -266,7 +266,10 @@ class Motion:
         if torque is not None and self.scene.once(holds_rods):
             raise ValueError("torque: could spin a rod about its axis, where it has no moment")
         if torque is not None and (self._frame is not None or not _is_plain(torque)):
-            torque = rows("torque", torque, 3)[0]
+            torque = rows("torque", torque, 3)
+            count = len(self._bodies)
+            if count and not len(torque):  # to the core no torques are no torque
+                raise ValueError(f"torque: expected shape (3,) or ({count}, 3), got (0, 3)")
             if self._frame is not None:
                 torque = turned(self._frame.T, torque)
         angle = self._core.step(dt, torque)
@@ -334,4 +337,8 @@ def _rebuilt(
 
 def _is_plain(torque: ArrayLike) -> bool:
     """Whether the core can read the torque without a check, which would take as long as a step."""
-    return isinstance(torque, tuple) and all(isinstance(part, float) for part in torque)
+    return (
+        isinstance(torque, tuple)
+        and len(torque) == 3
+        and all(isinstance(part, float) for part in torque)
+    )

@@ -17,7 +17,7 @@ from typing import Any, Generic, Self, TypeAlias, TypeVar
 import numpy as np
 
 from .. import _core
-from .._checks.arrays import Floats, lengths
+from .._checks.arrays import IDENTITY, Floats, lengths
 from .._checks.shown import labelled
 from ..drawing.figure import html_table
 from ..model.bodies import Bodies
@@ -468,10 +468,14 @@ def _step_and_count(
     """The shortest step (s) and the most steps, as far as they are known before a run."""
     if problem.tolerance is not None or (steps is None and accuracy is not None):
         return None, None
-    bodies = problem.bodies
-    if bodies is None or (problem.span is None and problem.scene.forces):
+    scene, bodies = problem.scene, problem.bodies
+    unknown = bodies is None or (problem.span is None and scene.forces)
+    if bodies is None:  # at rest: damping makes a step unstable from any start
+        bodies = Bodies.of_scene(scene, np.zeros(3), IDENTITY, scene.shape)
+    reach = problem.reach or (0.0, problem.step or 0.0)
+    own, time = bodies.planned_steps(method, reach, "states", problem.step)
+    if unknown:
         return problem.step, None
-    own, time = bodies.planned_steps(method, problem.reach or (0.0, 0.0), "states", problem.step)
     if steps is not None:
         own = steps
     return shortest_and_most(own, None if problem.span is None else time, problem.states)

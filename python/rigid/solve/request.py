@@ -26,6 +26,9 @@ MutableMapping.register(_core.States)
 USUAL_ACCURACY = 1e-8
 """The accuracy of states if neither a method nor a step is given."""
 
+MOST_STEPS = 10**9
+"""Most steps of a body, unless a call says others: some minutes."""
+
 LEAST_TOLERANCE = _core.LEAST_UNDER_FUNCTION
 """The least tolerance of Runge-Kutta steps: the second run has a smaller tolerance."""
 
@@ -83,7 +86,7 @@ class Problem:
     states: int = 1
     number: int | None = None
     inside: bool = False
-    max_steps: int = 10**9
+    max_steps: int = MOST_STEPS
     threads: int = 1
     is_plain: bool = field(default=False, init=False)
 

@@ -12,9 +12,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, first_place, one_of, one_time, resolve_threads
-from .._checks.arrays import Floats, finite_array
+from .._checks.arguments import (
+    brief,
+    first_place,
+    one_of,
+    one_time,
+    resolve_threads,
+    shaped,
+    whole,
+)
+from .._checks.arrays import Floats
 from .._checks.progress import ProgressOption
+from .._checks.shown import counted
 from ..drawing.colours import AXES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_text, html_with_picture
 from ..model.batch import Shape, in_rows
@@ -213,7 +222,7 @@ class Run(Result):
 
     def __repr__(self) -> str:
         """Size, method, largest known error, and how many bodies ended how."""
-        times = f"{len(self.t.T):,} time{'' if len(self.t.T) == 1 else 's'}"
+        times = counted(len(self.t.T), "time")
         worst = float(np.fmax.reduce(np.ravel(self.error), initial=np.nan))
         error = "error unknown" if np.isnan(worst) else f"error {worst:.1e}"
         if self.status.ndim == 0:
@@ -224,7 +233,7 @@ class Run(Result):
             f"{count:,} {self._named(code)}"
             for code, count in zip(codes.tolist(), counts.tolist(), strict=True)
         ]
-        bodies = f"{self.status.size:,} bod{'y' if self.status.size == 1 else 'ies'}"
+        bodies = counted(self.status.size, "body", "bodies")
         parts = [f"{bodies} at {times}", self.spec["method"], error]
         return f"Run({'; '.join(parts)}; {', '.join(ends) or 'nothing'})"
 
@@ -380,11 +389,7 @@ class Run(Result):
     @property
     def flagged(self) -> NDArray[np.bool_]:
         """Whether the estimated error is above the requested accuracy, or 1 or more without one."""
-        return np.asarray(self.error) >= self._limit
-
-    @property
-    def _limit(self) -> float:
-        return error_limit(self.spec["accuracy"])
+        return np.asarray(self.error) >= error_limit(self.spec["accuracy"])
 
     def reasons(self) -> tuple[Any, ...]:
         """A sentence for each body: how its computation ended, and the remedy if it failed.
@@ -440,7 +445,7 @@ an accuracy
         >>> run.at([50.0, 7.0])
         Run(one body at 2 times; exact; error 7.8e-14; ok)
         """
-        shape, given = self.status.shape, np.atleast_1d(finite_array("t", t))
+        shape, given = self.status.shape, np.atleast_1d(shaped("t", t))
         if given.ndim > 1 and given.shape[:-1] != shape:
             raise ValueError(
                 f"t: expected shape (k,) or {(*shape, 'k')} for bodies of shape {shape}, "
@@ -899,12 +904,10 @@ an accuracy
         bodies = len(self.status)
         if body is None and bodies != 1:
             raise ValueError(f"body = None: the run has {bodies} bodies, choose one by its index")
-        index = 0 if body is None else body
-        if isinstance(index, bool) or not isinstance(index, (int, np.integer)):
-            raise TypeError(f"body = {brief(body)}: must be a whole number")
+        index = 0 if body is None else whole("body", body)
         if not -bodies <= index < bodies:
             raise ValueError(f"body = {brief(body)}: the run has {bodies} bodies")
-        return (int(index),)
+        return (index,)
 
 
 def scene_of(run: object, body: int | None = None) -> Scene:

@@ -30,7 +30,7 @@ from .closed_form import RECORDS
 from .conserved import energy_of, momentum_of, needs_vertical
 from .events import check_event_method
 from .methods import FUNCTION, adaptive_methods
-from .request import LEAST_TOLERANCE, Problem
+from .request import LEAST_TOLERANCE, MOST_STEPS, Problem
 from .run import Run, to_run
 from .solution import (
     DERIVED,
@@ -273,7 +273,7 @@ def simulate(
     if watched is not None and given.size and given.min() < 0.0:
         raise ValueError(f"t = {given.min():g}: events are found forward in time, from t = 0")
     if max_steps is None:  # some minutes
-        max_steps = 10**7 if "function" in scene.forces else 10**9
+        max_steps = 10**7 if "function" in scene.forces else MOST_STEPS
     problem = Problem(
         scene=scene,
         record=record,

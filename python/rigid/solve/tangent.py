@@ -25,7 +25,7 @@ from ..model.forces import CHANGES, FORCES, forces_in_words
 from ..model.parameters import OF_WEIGHT, PARAMETERS
 from ..model.scene import Scene, check_scene
 from .methods import EXACT, TO_ROUNDING, run_methods, tangent_methods
-from .request import Request
+from .request import MOST_STEPS, Request
 from .status import Status
 
 ROUNDING = 2.0**-53
@@ -265,7 +265,7 @@ def amplification(bodies: Bodies, times: Floats, threads: int) -> Floats:
             times=times,
             method=TO_ROUNDING,
             record="rates",
-            max_steps=10**9,
+            max_steps=MOST_STEPS,
             threads=threads,
             tolerance=ROUNDING,
         )

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks.arguments import one_of
-from .._checks.arrays import AttitudeLike, Floats, attitudes, finite_array, require
+from .._checks.arguments import one_of, require, shaped
+from .._checks.arrays import AttitudeLike, Floats, attitudes
 from .._checks.overflow import refuses_overflow
 from ..exact.symmetry import Symmetry, require_each, symmetry_of
 from ..free import invariants
@@ -34,7 +34,7 @@ def over_tops(scene: HeavyTop, *, times: Shape = (), **arguments: ArrayLike) -> 
 
     ``times`` has the axes of the tops that the times have.
     """
-    arrays = {name: finite_array(name, value) for name, value in arguments.items()}
+    arrays = {name: shaped(name, value) for name, value in arguments.items()}
     shapes = {name: array.shape for name, array in arrays.items()}
     shape = batch_shape({"scene": scene.shape, **shapes, "t": times})
     return tuple(np.broadcast_to(array, shape) for array in arrays.values())
@@ -42,7 +42,7 @@ def over_tops(scene: HeavyTop, *, times: Shape = (), **arguments: ArrayLike) -> 
 
 def tilts(tilt: ArrayLike) -> Floats:
     """Angles of the centre of mass from the upward vertical, in [0, pi]."""
-    angles = finite_array("tilt", tilt)
+    angles = shaped("tilt", tilt)
     require("tilt", angles, (angles >= 0.0) & (angles <= np.pi), "must lie in [0, pi] (rad)")
     return angles
 

@@ -13,7 +13,8 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks.arrays import Floats, finite_array, require
+from .._checks.arguments import require, shaped
+from .._checks.arrays import Floats
 from .._checks.overflow import refuses_overflow
 from ..exact import agm, carlson_rf, jacobi
 
@@ -69,9 +70,9 @@ def f_u(u: ArrayLike, *, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: Arr
     >>> float(top.f_u(0.5, a=1.25, b=2.5, alpha=1.0, beta=2.0))  # released at 60 degrees
     0.0
     """
-    u, a = finite_array("u", u), finite_array("a", a)
-    b, alpha = finite_array("b", b), finite_array("alpha", alpha)
-    return (alpha - finite_array("beta", beta) * u) * (1.0 - u * u) - (a - b * u) ** 2
+    u, a = shaped("u", u), shaped("a", a)
+    b, alpha = shaped("b", b), shaped("alpha", alpha)
+    return (alpha - shaped("beta", beta) * u) * (1.0 - u * u) - (a - b * u) ** 2
 
 
 @refuses_overflow
@@ -178,7 +179,7 @@ def time_of(
     depths = _depths(a, b, alpha, beta)
     rate, complement = _argument(b, alpha, beta, *depths)
     heights, _, middle, high, rate, complement = np.broadcast_arrays(
-        finite_array("u", u), *depths, rate, complement
+        shaped("u", u), *depths, rate, complement
     )
     depth = 1.0 - heights
     reached = (depth >= middle - 1e-12) & (depth <= high + 1e-12)
@@ -223,7 +224,7 @@ def u_of(t: ArrayLike, *, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: Ar
     """
     low, middle, high = _depths(a, b, alpha, beta)
     rate, complement = _argument(b, alpha, beta, low, middle, high)
-    sn, cn, _ = jacobi(rate * finite_array("t", t), complement)
+    sn, cn, _ = jacobi(rate * shaped("t", t), complement)
     return np.asarray(1.0 - (middle * sn**2 + high * cn**2))[()]
 
 
@@ -234,8 +235,8 @@ def _argument(
     weightless = np.isneginf(low)
     span = high - np.where(weightless, 0.0, low)
     # Without weight u3 goes to infinity as (alpha + b²) / beta.
-    at_infinity = finite_array("alpha", alpha) + finite_array("b", b) ** 2
-    square = np.where(weightless, at_infinity, finite_array("beta", beta) * span)
+    at_infinity = shaped("alpha", alpha) + shaped("b", b) ** 2
+    square = np.where(weightless, at_infinity, shaped("beta", beta) * span)
     apart = np.where(span > 0.0, span, 1.0)
     complement = np.where(span > 0.0, (middle - np.where(weightless, 0.0, low)) / apart, 0.0)
     return 0.5 * np.sqrt(square), np.where(weightless, 1.0, complement)
@@ -250,10 +251,10 @@ def _depths(
     by beta, ``-w³ + c2 w² + c1 w - c0``.
     """
     a, b, alpha, beta = np.broadcast_arrays(
-        finite_array("a", a),
-        finite_array("b", b),
-        finite_array("alpha", alpha),
-        finite_array("beta", beta),
+        shaped("a", a),
+        shaped("b", b),
+        shaped("alpha", alpha),
+        shaped("beta", beta),
     )
     require("beta", beta, beta >= 0.0, "must not be negative")
     light = beta == 0.0

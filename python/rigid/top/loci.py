@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
-from .._checks.arrays import AttitudeLike, Floats, attitudes, finite_array, require
+from .._checks.arguments import require, shaped
+from .._checks.arrays import AttitudeLike, Floats, attitudes
 from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop, check_heavy_top
 from ..rotations.apply import to_space
@@ -277,10 +278,10 @@ def fast_top_approx(
     (0.4, 2.5, 'cusp')
     """
     symmetry = symmetric(scene)
-    times = None if t is None else finite_array("t", t)
+    times = None if t is None else shaped("t", t)
     if times is not None and not times.ndim:
         raise ValueError("t: expected shape (m,) or (..., m), got ()")
-    spins = finite_array("spin", spin)
+    spins = shaped("spin", spin)
     require("spin", spins, spins != 0.0, "a fast top needs a spin")
     angle, rate, initial = over_tops(
         scene,

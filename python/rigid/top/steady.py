@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
-from .._checks.arguments import shaped
-from .._checks.arrays import Floats, finite_array, require
+from .._checks.arguments import require, shaped
+from .._checks.arrays import Floats
 from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop
 from .constants import over_tops, symmetric, tilts
@@ -66,7 +66,7 @@ def sleeping_top(scene: HeavyTop, spin: ArrayLike) -> SleepingTop:
     [False, True, True]
     """
     bound = exact.sleeping_spin(scene)
-    (size,) = over_tops(scene, spin=np.abs(finite_array("spin", spin)))
+    (size,) = over_tops(scene, spin=np.abs(shaped("spin", spin)))
     return SleepingTop(stable=size >= bound, margin=size / bound - 1.0, spin_min=bound)
 
 
@@ -107,7 +107,7 @@ def spin_from_precession(scene: HeavyTop, tilt: ArrayLike, precession: ArrayLike
     """
     exact.sleeping_spin(scene)  # raises if the scene is no Lagrange top with weight
     symmetry = symmetric(scene)
-    rate = finite_array("precession", precession)
+    rate = shaped("precession", precession)
     require("precession", rate, rate != 0.0, "must not be zero")
     angle, rate = over_tops(scene, tilt=tilts(tilt), precession=rate)
     momentum = symmetry.across * rate * np.cos(angle) + scene.mgl / rate
@@ -211,7 +211,7 @@ def spin_down(scene: HeavyTop, spin: ArrayLike, *, damping: ArrayLike) -> SpinDo
     """
     bound = exact.sleeping_spin(scene)
     friction = shaped("damping", damping, nonnegative=True)
-    size, _ = over_tops(scene, spin=np.abs(finite_array("spin", spin)), damping=friction)
+    size, _ = over_tops(scene, spin=np.abs(shaped("spin", spin)), damping=friction)
     decay = np.asarray(friction / symmetric(scene).along)
     excess = np.log(np.maximum(size / bound, 1.0))
     still = np.where(size > bound, np.inf, 0.0)

@@ -170,10 +170,13 @@ pub struct Crossings {
 }
 
 impl Crossings {
-    /// Whether no point on the surface of this kind is missed or doubtful.
-    pub fn are_complete(&self, kind: usize) -> bool {
-        let grazes = |point: &Point| point.grazes && point.kind as usize == kind;
-        self.status == Status::Finished && self.stays >> kind & 1 == 0 && !self.points.iter().any(grazes)
+    /// A bit for each kind of surface of which a point may be missed or is doubtful.
+    pub fn doubtful(&self) -> u32 {
+        if self.status != Status::Finished {
+            return u32::MAX;
+        }
+        let grazing = self.points.iter().filter(|point| point.grazes);
+        grazing.fold(self.stays, |kinds, point| kinds | 1 << point.kind)
     }
 }
 

@@ -725,7 +725,7 @@ def test_a_ball_of_polygons_is_lit_as_a_ball() -> None:
     # The picture of a ball by corners with averaged normals, and the light on the true ball.
     film = film_of(run_of(BOX, (0.0, 0.0, 1.0)))
     radius = 0.6 * film.reach
-    polygons = ellipsoid_faces([radius] * 3)
+    polygons = ellipsoid_faces([radius] * 3, rings=14, sectors=28)
     ball = Part(kind="faces", points=polygons, colours=("#ffffff",))
     camera = Camera(film, 240)
     worst = {}

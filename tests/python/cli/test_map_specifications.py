@@ -338,6 +338,65 @@ def test_parameters_vary_from_body_to_body() -> None:
             parse_spec(BOX.replace("[stable]", f"[vary]\n{wrong}\n[stable]"), "x.toml")
 
 
+# Noise and mixtures of starts
+
+
+def test_tables_say_a_covariance() -> None:
+    text = map_text(
+        scene=FREE,
+        start='noise = { kind = "normal", cov = [[1, 0, 0], [0, 2, 1], [0, 1, 4]] }',
+        stable='criterion = "no_flip"',
+    )
+    noise = rigid.normal(cov=[[1, 0, 0], [0, 2, 1], [0, 1, 4]])
+    assert parse_spec(text, "a.toml").start.starts[0].noise == noise
+
+
+FIRST_START = "weight = 3\nspin = 2.0"
+OF_A_MIXTURE = map_text(x='name = "mgl"\nvalues = [1.0, 2.0]', start=FIRST_START).replace(
+    f"[start]\n{FIRST_START}",
+    f"[[start]]\n{FIRST_START}\n[[start]]\nspin = 1.0\n"
+    'attitude_noise = { kind = "normal", size = 0.1 }',
+)
+
+
+def test_a_mixture_is_said_in_toml() -> None:
+    spec = parse_spec(OF_A_MIXTURE, "top.toml")
+    other = rigid.Start(spin=1.0, attitude_noise=rigid.normal(0.1))
+    assert spec.start == rigid.mixture([rigid.Start(spin=2.0), other], weights=[3, 1])
+    with pytest.raises(SpecError, match=r"weights\[0\] = -3: must be positive"):
+        parse_spec(OF_A_MIXTURE.replace("weight = 3", "weight = -3"), "top.toml")
+    with pytest.raises(SpecError, match=r"\[start\[0\]\] unknown key 'weigth'; did you mean"):
+        parse_spec(OF_A_MIXTURE.replace("weight", "weigth"), "top.toml")
+    with pytest.raises(SpecError, match="unknown key 'weight'"):
+        parse_spec(
+            OF_A_MIXTURE.replace("[[start]]\nspin = 1.0", "")
+            .replace("[[", "[")
+            .replace("]]", "]")
+            .replace('attitude_noise = { kind = "normal", size = 0.1 }', ""),
+            "top.toml",
+        )
+
+
+OF_DIRECTIONS = map_text(
+    x='name = "attitude_kappa"\nvalues = [1.0, 2.0]',
+    start="""spin = 2.0
+attitude_noise = { kind = "von_mises_fisher" }
+noise = { kind = "von_mises_fisher", kappa = 4.0 }""",
+)
+
+
+def test_directions_are_said_in_toml() -> None:
+    (start,) = parse_spec(OF_DIRECTIONS, "top.toml").start.starts
+    assert start.noise == rigid.von_mises_fisher(4.0)
+    assert start.attitude_noise == rigid.von_mises_fisher(0.0)
+    with pytest.raises(SpecError, match="kappa: an axis of the map sets kappa; omit the key here"):
+        parse_spec(OF_DIRECTIONS.replace('fisher" }', 'fisher", kappa = 1.0 }', 1), "top.toml")
+    with pytest.raises(SpecError, match="needs the key 'kappa'"):
+        parse_spec(OF_DIRECTIONS.replace(", kappa = 4.0", ""), "top.toml")
+    with pytest.raises(SpecError, match="unknown key 'size'"):
+        parse_spec(OF_DIRECTIONS.replace("kappa = 4.0", "size = 4.0"), "top.toml")
+
+
 def test_large_seeds_can_be_said() -> None:
     text = BOX.replace("seed = 2026", f"seed = {2**128 - 1}")
     assert parse_spec(text, "box.toml").seed == 2**128 - 1

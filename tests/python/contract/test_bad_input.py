@@ -18,6 +18,7 @@ from processes import run_python
 from refusals import refuses
 from rigid import inertia, particles, rotations, springs
 from rigid._checks import matrices
+from rigid._checks.arguments import of_known
 from rigid.model.scene import scene_from_dict
 from small_maps import small_map
 
@@ -149,6 +150,7 @@ REFUSED: list[tuple[Any, ...]] = [
     ),
     (run([1j, 0, 0]), TypeError, ["omega = [1j, 0, 0]: must be real numbers, got complex128"]),
     (run(None), TypeError, ["omega = None: must be real numbers, got object"]),
+    (run(FREE), TypeError, ["omega = FreeBody(", ": must be real numbers, got object"]),
     # Attitude.
     (run(RATES, [0, 0, 0, 0]), ["attitude", "[0.0, 0.0, 0.0, 0.0]: a zero quaternion"]),
     (run(RATES, [[1, 0, 0, 0], [0, 0, 0, 0]]), ["attitude[1] = [0.0, 0.0, 0.0, 0.0]: a zero "]),
@@ -194,6 +196,7 @@ REFUSED: list[tuple[Any, ...]] = [
     (run(max_steps=1e3), TypeError, ["max_steps = 1000.0: must be a whole number"]),
     (run(max_steps=True), TypeError, ["max_steps = True: must be a whole number"]),
     (run(threads=0), ["threads = 0: must be at least 1"]),
+    (run(threads=1025), ["threads = 1025: must be at most 1024"]),
     (run(threads=1.5), TypeError, ["threads = 1.5: must be a whole number"]),
 ]
 
@@ -206,6 +209,13 @@ test_refused = refuses(REFUSED)
 def test_whole_numbers_beyond_a_machine_word_are_refused(name: str, value: int) -> None:
     with pytest.raises(ValueError, match=rf"^{name} = {value}: must be below 2\*\*63$"):
         run(**{name: value})()
+
+
+@pytest.mark.parametrize(("length", "words"), [(499, "omega1, omega2, omega3"), (500, "omega1 to")])
+def test_names_by_number_are_one_in_a_list_of_500_characters(length: int, words: str) -> None:
+    numbered = "omega1, omega2, omega3, "
+    known = [*numbered.rstrip(", ").split(", "), "x" * (length - len(numbered))]
+    assert f"(known: {words}" in of_known("nothing", known)
 
 
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
@@ -294,6 +304,15 @@ def test_rates_and_times_near_the_largest_double_warn_of_nothing() -> None:
 
 
 @pytest.mark.skipif(np.finfo(np.longdouble).maxexp < 2000, reason="has no wider floats")
+def test_a_weight_ends_where_squares_of_its_rates_near_the_largest_double() -> None:
+    body = rigid.Body((1.0, 1.5, 2.0))
+    assert rigid.simulate(rigid.HeavyTop(body, mgl=0.99e153), [0.0, 0.0, 1.0], t=[0.0]).steps == 0
+    with pytest.raises(
+        ValueError, match=r"mgl = 1.01e\+153: must be below 1e\+153 times the least"
+    ):
+        rigid.simulate(rigid.HeavyTop(body, mgl=1.01e153), [0.0, 0.0, 1.0], t=[0.0])
+
+
 def test_wide_floats_beyond_doubles_are_not_finite() -> None:
     wide = np.longdouble("1e400")
     with pytest.raises(ValueError, match=r"^omega\[1\] = inf: must be finite$"):
@@ -431,6 +450,9 @@ def test_scalars_in_any_dress() -> None:
     for step in (np.float64(0.5), np.float32(0.5), np.array(0.5)):
         assert run(step=step)().omega.tobytes() == plain.omega.tobytes()
     assert run(step=1)().steps == 1
+    assert run(max_steps=2**63 - 1, step=0.5, threads=1024)().omega.tobytes() == (
+        plain.omega.tobytes()
+    )
     assert run(max_steps=np.int64(100), step=0.5)().omega.tobytes() == plain.omega.tobytes()
     assert rigid.HeavyTop(BODY, mgl=1).mgl == 1.0
     assert rigid.Body(np.array([1, 2, 3])).moments == (1.0, 2.0, 3.0)

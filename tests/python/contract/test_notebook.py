@@ -46,6 +46,7 @@ def results() -> dict[str, Any]:
         "methods": rigid.methods(),
         "points": rigid.poincare(TOP, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=30.0),
         "growth": rigid.lyapunov(TOP, [0.3, 0.4, 1.0], t=np.linspace(5.0, 100.0, 20)),
+        "growth at one time": rigid.lyapunov(TOP, [[0.3, 0.4, 1.0]], t=[100.0]),
         "report": rigid.report(
             TOP, [0.3, 0.4, 1.0], t_end=1.0, methods=["rk4"], seconds=0.1, progress=False
         ),
@@ -64,10 +65,11 @@ LINES = {
     "plan": r"<Plan: free body, box .*; exact, closed form: free asymmetric; error about .* rad>",
     "points": r"<Crossings: .*>",
     "growth": r"<Growth: one body at 20 times; 1 \w+>",
-    "report": r"<Report: heavy top, .*; \d+ runs by 1 methods>",
-    "long": r"<Report: heavy top, .*; \d+ runs by 1 methods over 3 revolutions>",
+    "growth at one time": r"<Growth: 1 body at 1 time; 1 \w+>",
+    "report": r"<Report: heavy top, .*; \d+ runs by 1 method>",
+    "long": r"<Report: heavy top, .*; \d+ runs by 1 method over 3 revolutions>",
     "extremes": r"<Extremes: no undetected error in \d+ runs: \d+ right.*>",
-    "validation": r"<Validation: 1 numbers: 0 agree, 1 of models that differ, 0 unexplained>",
+    "validation": r"<Validation: 1 number: 0 agree, 1 of models that differ, 0 unexplained>",
 }
 
 

@@ -6,10 +6,8 @@ left the processor in another mode.
 """
 
 import hashlib
-import signal
 from collections.abc import Callable
 from functools import cache, partial
-from types import FrameType
 from typing import Any
 
 import numpy as np
@@ -250,20 +248,3 @@ def test_the_modes_are_those_of_the_thread() -> None:
     assert thirds["down"][2] < thirds["to zero"][2]
     assert thirds["flush"][1]
     assert not thirds["up"][1]
-
-
-def test_intervals_hear_an_interrupt() -> None:
-    # A second of work for each ten thousand intervals of so many trials.
-    successes = np.arange(1, 1_000_000)
-
-    def interrupt(_signal: int, _frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    previous = signal.signal(signal.SIGALRM, interrupt)
-    signal.setitimer(signal.ITIMER_REAL, 0.05)
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            _core.clopper_pearson(successes, np.full_like(successes, 2**50), 0.95)
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, previous)

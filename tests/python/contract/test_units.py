@@ -1,6 +1,7 @@
 """Quantities with units become numbers in SI units at the door, or are refused in words."""
 
 import warnings
+from contextlib import nullcontext
 from functools import partial
 from typing import Any
 
@@ -230,9 +231,22 @@ test_a_text_with_a_unit_is_refused_with_the_number = refuses(
             lambda: rigid.Body.box(1.0, 1.0, 1.0, mass="3"),
             "mass = '3': must be a real number in kg, not a text; leave out the quotation marks$",
         ),
+        *(
+            (
+                lambda text=text: rigid.Body.box(1.0, 1.0, 1.0, mass=text),
+                f"mass = '{text}': must be a real number in kg, {words}$",
+            )
+            for text, words in (
+                ("heavy", "not a text"),
+                ("1.2.3 kg", "not a text"),
+                ("-.5e1", "not a text; leave out the quotation marks"),
+                ("1. kg", "written without the unit"),
+                ("3 rpm", "written without the unit"),
+            )
+        ),
         (
-            lambda: rigid.Body.box(1.0, 1.0, 1.0, mass="heavy"),
-            "mass = 'heavy': must be a real number in kg, not a text$",
+            lambda: rigid.section("omega1", value="3 rpm"),  # type: ignore[arg-type]
+            r"written without the unit; 3 \* rigid.units.rpm is 0.314159265359",
         ),
     ],
     kind=TypeError,
@@ -257,3 +271,25 @@ def test_a_large_box_of_nothing_has_other_units() -> None:
         rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)
         rigid.Body.box(505.0, 492.0, 457.0, mass=7.3e10)  # about Bennu
         rigid.Body.box(250.0, 80.0, 10.0)
+
+
+LARGE = (10.0, 10.0, 10.0)
+
+
+@pytest.mark.parametrize(
+    ("sides", "mass", "light"),
+    [
+        ((5.0, 5.0, 5.0), 1.5, False),
+        ((5.1, 1.0, 1.0), 0.5, True),
+        (LARGE, 100.0, False),
+        (LARGE, 99.0, True),
+        (LARGE, 1.0, False),
+    ],
+)
+def test_a_large_box_lighter_than_any_solid_has_other_units(
+    sides: tuple[float, float, float], mass: float, light: bool
+) -> None:
+    """Above 5 m and below 0.1 kg/m³; a mass of 1 stands for any."""
+    warns = pytest.warns(UserWarning, match="is lighter than any solid") if light else nullcontext()
+    with warns:
+        rigid.Body.box(*sides, mass=mass)

@@ -17,6 +17,7 @@ from physics import Floats
 from refusals import refuses
 from rigid.fits.least_squares import minimum
 from rigid.fits.unknowns import Unknowns
+from rigid.model.parameters import PLACES
 
 T = np.linspace(0.0, 25.0, 150)
 START = np.array([0.2, 1.0, 0.3])
@@ -222,6 +223,20 @@ test_what_a_fit_refuses = refuses(
 ACROSS = [[0.1, 0.05, 0.0], [0.05, 0.1, 0.0], [0.0, 0.0, 0.1]]
 ORBIT = rigid.FreeBody(BODY, orbit=rigid.Orbit(1))
 TABLE = rigid.FreeBody(BODY, torque=rigid.Torque.body([(0, 0, 1), (0, 0, 0)], times=[0.0, 100.0]))
+POWERS = {"mgl": 2, "damping": 1, "torque": 2, "rotor": 1, "drag": 0, "dissipation": -1}
+"""Of the unit of rates in the units of numbers, which have one unit of moments each."""
+
+
+@pytest.mark.parametrize("name", POWERS)
+def test_a_first_guess_of_a_fit_is_off_by_what_has_the_unit_of_its_number(name: str) -> None:
+    place = PLACES[name]
+    assert place.guess is not None
+    nothing = np.zeros((3,) * place.width)
+    off, other = (np.asarray(place.guess(nothing, m * 1.3, w * 0.7)) for m, w in ((1, 1), (8, 2)))
+    assert (off > 0.0).all()
+    assert (other == 8.0 * 2.0 ** POWERS[name] * off).all()
+
+
 # Else the times of the table would count from the first measurement without a word.
 CLOCK = r"t\[0\] = 5: must be 0, because the scene has a clock"
 
@@ -430,19 +445,27 @@ def test_a_sigma_for_each_time_and_with_a_unit() -> None:
     assert np.allclose(with_unit.std, one.std, rtol=1e-6)
 
 
-def test_progress_counts_measurements_and_ctrl_c_ends_a_fit() -> None:
+def test_progress_counts_measurements_and_what_its_user_raises_ends_a_fit() -> None:
+    """Numbers of the fit that overflow are refused; numbers and errors of the user are its own."""
     told: list[rigid.Progress] = []
+
+    def count(progress: rigid.Progress) -> None:
+        told.append(progress)
+        assert np.divide(progress.done, 0.0) == np.inf
+
     given: Any = {"omega": measured(BODY, 0.01, 6), "sigma": 0.01, "free": RATIOS}
-    rigid.fit(BODY, T, **given, progress=told.append)
+    with np.errstate(divide="ignore"):
+        rigid.fit(BODY, T, **given, progress=count)
     done = [one.done for one in told]
     assert done == sorted(done)
     assert done[-1] == told[-1].total == 150
+    for error in (KeyboardInterrupt, FloatingPointError, OverflowError):
 
-    def press_ctrl_c(_: rigid.Progress) -> None:
-        raise KeyboardInterrupt
+        def fails(_: rigid.Progress, error: type[BaseException] = error) -> None:
+            raise error("own")
 
-    with pytest.raises(KeyboardInterrupt):
-        rigid.fit(BODY, T, **given, progress=press_ctrl_c)
+        with pytest.raises(error, match="own"):
+            rigid.fit(BODY, T, **given, progress=fails)
 
 
 def test_a_sigma_with_a_unit() -> None:

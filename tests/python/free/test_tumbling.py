@@ -9,7 +9,7 @@ import pytest
 import rigid
 from printed_equations import solved
 from refusals import refuses
-from rigid import free
+from rigid import exact, free
 
 
 @pytest.mark.parametrize(
@@ -82,6 +82,25 @@ def test_a_state_has_the_periods_it_was_made_from() -> None:
             )
             assert (found.energy > bounds[0] * (1.0 - 1e-13)).all()
             assert (found.energy < bounds[1] * (1.0 + 1e-13)).all()
+
+
+@pytest.mark.parametrize("mass", [-1000, -530, 500, 1000])
+@pytest.mark.parametrize("time", [-530, 530, 800])
+def test_a_state_does_not_depend_on_the_units_of_mass_and_time(mass: int, time: int) -> None:
+    """By powers of two, so to the last digit."""
+    moments, periods = np.array([0.61, 0.965, 1.0]), np.array([27.38, 263.0])
+    one, other = (
+        free.spin_state(np.ldexp(moments, m), precession=turn[0], rotation=turn[1], mode="SAM")
+        for m, turn in ((0, periods), (mass, np.ldexp(periods, time)))
+    )
+    assert np.array_equal(np.ldexp(one.omega, -time), other.omega)
+    assert np.ldexp([one.precession, one.rotation], time).tolist() == [
+        other.precession,
+        other.rotation,
+    ]
+    assert one.energy == other.energy
+    motion = exact.free_body(rigid.Body(np.ldexp(moments, mass)), other.omega)
+    assert motion.period == other.rotation
 
 
 @pytest.mark.parametrize(

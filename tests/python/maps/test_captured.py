@@ -281,6 +281,37 @@ def nested(depth: int) -> list[Any]:
     return whole
 
 
+def test_a_function_without_a_source_is_doubted_unless_it_was_carried() -> None:
+    made: dict[str, Any] = {}
+    exec("def above(states):\n    return states", made)
+    known = Sourced("above", "0" * 64, function=made["above"])
+    assert "its source differs from 'above'" in known.doubt("stable")
+    assert known.given("stable", made["above"], carried=True) == known
+
+
+def test_what_wraps_a_function_is_another_one_unless_it_is_a_cache() -> None:
+    def above(states: Any) -> Any:
+        return states
+
+    @functools.wraps(above)
+    def below(states: Any) -> Any:
+        return -above(states)
+
+    class Twice:
+        def __init__(self, function: Any) -> None:
+            self.__wrapped__ = function
+
+        def __call__(self, states: Any) -> Any:
+            return 2.0 * self.__wrapped__(states)
+
+    known, other, twice, cached = (
+        Sourced.of("stable", one).sha256
+        for one in (above, below, Twice(above), functools.cache(above))
+    )
+    assert len({known, other, twice}) == 3
+    assert cached == known
+
+
 test_what_has_no_digest_is_named = refuses(
     [
         (threading.Lock(), r"limit: a _thread\.lock has no digest \(cannot pickle"),

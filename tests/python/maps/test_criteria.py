@@ -1,6 +1,7 @@
 """Criteria against what a fine motion shows, and joined criteria against their logic."""
 
 import dataclasses
+import inspect
 import math
 from typing import Any
 
@@ -19,7 +20,7 @@ from rigid.maps.data import CLASSES
 from rigid.maps.job import to_core
 from rigid.maps.judge import UNDECIDED
 from rigid.maps.plan import map_plan
-from rigid.model.criterion import Criterion, Joined
+from rigid.model.criterion import CRITERIA, Criterion, Joined, can_be_left
 from small_maps import Floats, small_map, spec_of
 
 #: Bodies of each family; ``tests/long/criteria.py`` takes many more.
@@ -259,6 +260,25 @@ def test_what_a_map_cannot_watch_names_the_force_and_what_can_be_watched(force: 
         horizon: dict[str, Any] = {} if stable.name == "judged" else {"t_end": 1.0}
         result = rigid.stability_map(scene, stable=stable, **horizon, **asked)
         assert (result.stable == 2).all()
+
+
+@pytest.mark.parametrize("name", CRITERIA)
+def test_a_function_that_makes_a_criterion_has_the_defaults_of_its_class(name: str) -> None:
+    of_function = inspect.signature(getattr(rigid, name)).parameters
+    for own in dataclasses.fields(CRITERIA[name]):  # type: ignore[arg-type]
+        known = of_function[own.name].default
+        assert known == (
+            inspect.Parameter.empty if own.default is dataclasses.MISSING else own.default
+        )
+
+
+def test_joined_criteria_are_left_if_one_that_they_need_is_left() -> None:
+    a, b, back = rigid.no_flip(1), rigid.tilt_between(0.1, 0.2), rigid.returns(0.1, after=1.0)
+    for left in (a, a & b, a | ~b, ~(~a & b), ~back, ~(back | ~a)):
+        assert can_be_left(left.logic()), left
+    # A body that has left a criterion does not come back to it.
+    for never in (~a, ~a & ~b, ~(a | b), back, back | ~b, ~(~back & a)):
+        assert not can_be_left(never.logic()), never
 
 
 # Verdicts of maps in closed form, sample by sample against those of fine steps.

@@ -205,7 +205,7 @@ test_values_of_a_top_that_do_not_go_together = refuses(
             "axes: com1, com2 and com3 must not all be zero: they are a direction",
         ),
         ({"t_end": [0.0, 1.0]}, "axes['t_end'][0] = 0: must be positive"),
-        ({"limit": [1.0, 4.0]}, "axes['limit'][1] = 4: must lie in [0, 3.14159]"),
+        ({"limit": [1.0, 4.0]}, "axes['limit'][1] = 4: must lie in [0, 3.14159] (rad)"),
         ({"noise1": [1.0]}, "'noise1' does not apply: the start has no noise"),
     ],
     literal=True,

@@ -233,3 +233,7 @@ def test_an_interrupted_command_writes_what_there_is(
     assert not result.complete
     assert result.samples.sum() > 1000
     assert (tmp_path / "big.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_an_interrupted_call_says_what_is_done() -> None:
+    assert str(rigid.Interrupted("1 of 2 pixels are done", None)) == "1 of 2 pixels are done"

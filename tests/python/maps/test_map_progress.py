@@ -1,7 +1,5 @@
 """While a map runs: progress, silent when asked to be, and blocks of a third of a second."""
 
-import subprocess
-
 import numpy as np
 import pytest
 
@@ -13,7 +11,7 @@ from rigid.store.running import Memory
 from small_maps import in_blocks, small_map, spec_of
 from terminals import in_terminal, read
 
-IMPORTS = "import numpy as np, rigid, sys, time\n"
+IMPORTS = "import rigid\n"
 
 #: A tenth of a second of work with a visible bar; one pixel of five fails.
 SHORT = """
@@ -24,61 +22,25 @@ result = rigid.stability_map(
 """
 
 
-def run(code: str) -> subprocess.CompletedProcess[str]:
-    """Run code with all three streams as pipes."""
-    return python_process(IMPORTS + code)
-
-
 # Progress
 
 
 def test_without_a_terminal_not_one_byte_is_written() -> None:
     code = "".join(f"{SHORT}progress={one})\n" for one in (False, None, "lambda progress: None"))
-    done = run(code + "assert result.complete")
+    done = python_process(f"{IMPORTS}{code}assert result.complete")
     assert (done.stdout, done.stderr) == ("", "")
 
 
-def shown_in_a_terminal(code: str, columns: int = 80) -> str:
-    with in_terminal("-c", IMPORTS + code, columns=columns) as (process, reader):
+def test_in_a_narrow_terminal_the_bar_keeps_ten_cells() -> None:
+    code = f"{IMPORTS}{SHORT}progress=None)"
+    with in_terminal("-c", code, columns=50) as (process, reader):
         shown = read(reader).decode()
         assert process.wait(PATIENCE) == 0
-    return shown
-
-
-def test_in_a_terminal_a_bar_shows_bodies_rate_time_and_failures() -> None:
-    shown = shown_in_a_terminal(SHORT + "progress=None)")
-    assert "bodies/s" in shown
-    assert "2.00k/2.00k" in shown
-    assert "100%" in shown
-    assert "400 failed" in shown
-
-
-def test_in_a_narrow_terminal_the_bar_keeps_ten_cells() -> None:
-    shown = shown_in_a_terminal(SHORT + "progress=None)", columns=50)
     last = shown.rstrip().rpartition("\r")[2]
     assert last.startswith("100%|")
     assert len(last) <= 50
     assert last.count("\u2588") >= 10
     assert last.endswith("00:00 left, 400 failed")
-
-
-#: From here on as if tqdm were not installed.
-BLOCKED = "sys.modules['tqdm'] = None\n"
-
-
-def test_false_is_silent_in_a_terminal_too_and_none_without_tqdm() -> None:
-    code = f"{SHORT}progress=False)\n{BLOCKED}{SHORT}progress=None)"
-    assert shown_in_a_terminal(code) == ""
-
-
-def test_true_shows_the_bar_anywhere_or_says_what_is_missing() -> None:
-    ask = "try:\n    " + SHORT.strip().replace("\n", "\n    ") + "progress=True)\n"
-    done = run(
-        f"{BLOCKED}{ask}except ImportError as error:\n    print(error)\n"
-        f"del sys.modules['tqdm']\n{SHORT}progress=True)"
-    )
-    assert "bodies/s" in done.stderr
-    assert done.stdout.strip() == "a progress bar needs tqdm: pip install 'rigid-rotation[maps]'"
 
 
 @pytest.mark.parametrize("units", [1, 3, 100])

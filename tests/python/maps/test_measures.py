@@ -245,7 +245,7 @@ def test_pictures_show_any_number() -> None:
     bar = plane.plot(what="median of largest_tilt").figure.axes[1]
     assert bar.get_ylabel() == "median of largest_tilt (rad)"
     for what, message in (
-        ("shares", "'largest_exponent', or such as 'mean of flips'"),
+        ("largest_tilt", "'largest_exponent', or such as 'mean of time_to_leave'"),
         ("mean of spin", "is not measured once"),
         ("mean of mean_rate", "is not measured once"),
         ("quantile 2 of flips", r"a quantile lies in \[0, 1\]"),

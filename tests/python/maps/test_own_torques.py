@@ -249,8 +249,8 @@ def test_the_numbers_of_a_map_do_not_depend_on_threads_or_blocks() -> None:
 # One scene for all pixels, which a file does not have
 
 
-def one_scene(gain: float = 0.1, function: Any = damping) -> rigid.FreeBody:
-    return rigid.FreeBody(BODY, torque=rigid.Torque.call(function, [gain], fastest=FASTEST))
+def one_scene(gain: float = 0.1) -> rigid.FreeBody:
+    return rigid.FreeBody(BODY, torque=rigid.Torque.call(damping, [gain], fastest=FASTEST))
 
 
 OF_ONE: dict[str, Any] = {

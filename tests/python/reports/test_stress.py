@@ -72,7 +72,7 @@ def test_every_scene_without_damping_has_a_method_that_is_right(found: rigid.Ext
 def test_the_table_counts_its_cells(found: rigid.Extremes) -> None:
     text = str(found)
     last = unwrapped(text, indent=2).splitlines()[-1]
-    assert last.startswith(f"no undetected error in {len(found.cells)} runs: ")
+    assert last.startswith(f"no undetected error in {len(found.cells):,} runs: ")
     assert f"{found.counts()['right']} right" in last
     wrong = dataclasses.replace(found.cells[0], verdict="undetected error")
     assert str(rigid.Extremes((wrong, wrong))).endswith("2 undetected errors in 2 runs")

@@ -212,6 +212,23 @@ def test_orthogonality_error_and_the_nearest_rotation() -> None:
     assert flat == pytest.approx(np.eye(3), abs=ROUNDED)
 
 
+@pytest.mark.parametrize(("method", "lost"), [("splitting", 1e-12), ("rk4", 1e-9)])
+def test_long_runs_stay_rotations(method: str, lost: float) -> None:
+    """A hundred thousand steps: the splitting turns; RK4 loses length, which is reported."""
+    scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    t = np.linspace(0.0, 1e3, 11)
+    run = rigid.simulate(scene, [0.3, 1.0, 0.2], t=t, method=method, step=1e-2)
+    attitude = present(run.attitude)
+    # The matrix of a quaternion as it stands, not brought to length one.
+    square = np.vecdot(attitude, attitude)[..., None, None]
+    matrices = square * rotations.quaternion_to_matrix(attitude)
+    error = rotations.orthogonality_error(matrices).error.max()
+    assert error < lost
+    assert (method == "rk4") == (error > 1e-11)
+    nearest = rotations.nearest_rotation(matrices)
+    assert rotations.orthogonality_error(nearest).error.max() < ROUNDED
+
+
 def test_empty_batches() -> None:
     assert rotations.log_so3(np.empty((0, 3, 3))).shape == (0, 3)
     assert rotations.matrix_to_euler(np.empty((4, 0, 3, 3))).shape == (4, 0, 3)
@@ -571,26 +588,6 @@ def test_where_scipy_does_better() -> None:
     assert np.log2(inside[0] / inside[1]) == pytest.approx(4.0, abs=0.3)
     assert np.log2(ends[0] / ends[1]) == pytest.approx(1.0, abs=0.3)
     assert 100.0 * inside[0] < ours[0] < ends[0]
-
-
-# How nearly a rotation
-
-
-@pytest.mark.parametrize(("method", "lost"), [("splitting", 1e-12), ("rk4", 1e-9)])
-def test_long_runs_stay_rotations(method: str, lost: float) -> None:
-    """A hundred thousand steps: the splitting turns; RK4 loses length, which is reported."""
-    scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
-    t = np.linspace(0.0, 1e3, 11)
-    run = rigid.simulate(scene, [0.3, 1.0, 0.2], t=t, method=method, step=1e-2)
-    attitude = present(run.attitude)
-    # The matrix of a quaternion as it stands, not brought to length one.
-    square = np.vecdot(attitude, attitude)[..., None, None]
-    matrices = square * rotations.quaternion_to_matrix(attitude)
-    error = rotations.orthogonality_error(matrices).error.max()
-    assert error < lost
-    assert (method == "rk4") == (error > 1e-11)
-    nearest = rotations.nearest_rotation(matrices)
-    assert rotations.orthogonality_error(nearest).error.max() < ROUNDED
 
 
 def test_rates_that_jump_are_refused_with_the_error_reached(

@@ -157,6 +157,16 @@ def test_equal_coefficients_stay_equal_in_any_frame() -> None:
     assert rigid.FreeBody(BODY, dissipation=sink, frame=AXES).dissipation == sink
 
 
+def test_damping_in_the_axes_of_a_drawing_is_symmetric_to_the_bit() -> None:
+    axes = rigid.rotations.quaternion_to_matrix(np.array([0.8, 0.1, 0.5, -0.3]) / np.sqrt(0.99))
+    one = np.array([[0.3, 0.05, -0.1], [0.05, 0.2, 0.02], [-0.1, 0.02, 0.4]])
+    for given in (one, np.stack([one, 2.0 * one, one[::-1, ::-1]])):
+        scene = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), damping=given, frame=axes)
+        found = np.array(scene.damping)
+        assert (found == np.swapaxes(found, -1, -2)).all()
+        np.testing.assert_allclose(axes @ found @ axes.T, given, rtol=0.0, atol=1e-15)
+
+
 def test_a_run_in_a_frame_is_kept(tmp_path: Path) -> None:
     run = rigid.simulate(BODY, OMEGA, t=TIMES, frame=AXES)
     again = rigid.load_run(run.save(tmp_path / "run.npz"))

@@ -83,6 +83,13 @@ def test_any_pivot_of_any_body_has_the_moments_of_its_mass_points(seed: int) -> 
     assert np.allclose(own @ more @ again.weight, axes @ top.weight, atol=1e-12 * mass)
 
 
+def test_gravity_is_that_of_the_earth_unless_another_one_is_given() -> None:
+    body = rigid.Body.rod(2.0, mass=3.0)
+    for given, g in (({}, 9.81), ({"g": 1.62}, 1.62)):
+        top, _ = rigid.HeavyTop.from_mass(body, com=(0.0, 0.0, 1.0), **given)
+        assert top.mgl == pytest.approx(3.0 * g, rel=1e-15)
+
+
 def test_a_balanced_body_needs_no_direction_of_its_centre_of_mass() -> None:
     top, _ = rigid.HeavyTop.from_mass(CONE, com=(0.0, 0.0, 0.0))
     assert top.mgl == 0.0

@@ -13,6 +13,7 @@ import rigid
 from physics import ROUNDOFF
 from refusals import refuses
 from rigid import exact, figures
+from rigid.model.parameters import AT_REST, PLACES, numbers_of
 from rigid.model.scene import Scene, scene_from_dict
 
 COUNT = 37  # more than a group of 32, which it does not fill
@@ -135,6 +136,16 @@ def test_a_scene_is_indexed_like_an_array() -> None:
             single[0]
 
 
+def test_parts_of_bodies_by_an_index_with_an_ellipsis_are_whole() -> None:
+    body = rigid.Body(
+        np.broadcast_to(MOMENTS[:2], (3, 2, 3)), mass=np.arange(1.0, 7.0).reshape(3, 2)
+    )
+    for index in (1, (1, 0), (..., 1), (1, ...), (slice(None), 1), np.array([True, False, True])):
+        places = np.arange(6).reshape(3, 2)[index]
+        np.testing.assert_array_equal(body[index].moments, MOMENTS[places % 2])
+        np.testing.assert_array_equal(body[index].mass, 1.0 + places)
+
+
 @pytest.mark.parametrize("scene", [FREE, TOPS, DAMPED, DRIVEN, EVENLY, DRIVEN[0], DRIVEN[:3]])
 def test_scenes_of_many_bodies_are_saved_and_compared(scene: Scene) -> None:
     again = scene_from_dict(json.loads(json.dumps(scene.to_dict())))
@@ -255,8 +266,14 @@ def test_bodies_at_the_step_limit_leave_the_errors_of_others_as_they_are(
     np.testing.assert_array_equal(together.error, alone)
 
 
+def test_rows_are_bodies_unless_every_body_would_be_a_tensor() -> None:
+    """Ones are three spheres, and as a tensor they would have two moments of zero."""
+    assert rigid.Body([TENSOR, np.ones((3, 3))]).shape == (2, 3)
+
+
 ONE = rigid.Body((1.0, 1.2, 1.5))
 EYE = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+TENSOR = np.ones((3, 3)) + np.eye(3)
 BAD = MOMENTS / SIZE[:, None]
 BAD[17] = (1.0, 1.0, 2.5)
 
@@ -272,6 +289,11 @@ REFUSED: list[tuple[Any, ...]] = [
         "moments[0, 17] = (1, 1, 2.5): no moment may exceed",
     ),
     (lambda: rigid.Body([[1, 1, np.nan]]), "moments[0] = (1, 1, NaN): "),
+    (lambda: rigid.Body([TENSOR, TENSOR]), "take rigid.Body.from_tensor"),
+    (lambda: rigid.Body([np.zeros((3, 3)), TENSOR]), "moments[0, 0] = (0, 0, 0)"),
+    # Neither a body: a determinant of zero, and two negative moments.
+    (lambda: rigid.Body([[1, 0, 0.5], [0, 1, 0.5], [0.5, 0.5, 0.5]]), "moments[0] = ("),
+    (lambda: rigid.Body(np.diag([-1.0, -1.0, 1.0])), "moments[0] = ("),
     (lambda: rigid.Body(MOMENTS, mass=[1.0, 2.0]), "moments (37,), mass (2,): "),
     (lambda: rigid.Body((1, 1, 1), mass=[1.0]), "mass: expected shape () or (), got"),
     (lambda: rigid.Body(MOMENTS[:1], sides=(1, 1, 1)), "sides: belong to one body"),
@@ -298,7 +320,8 @@ REFUSED: list[tuple[Any, ...]] = [
     ),
     (
         lambda: rigid.FreeBody(rigid.Body(MOMENTS[:3]), damping=[1.0, 2.0, 3.0]),
-        "damping: shape (3,) can be read in two ways for bodies of shape (3,); write (3, 3, 3)",
+        "damping: shape (3,) can be read in two ways for bodies of shape (3,); write (3, 3, 3) for "
+        "a matrix of each, (1, 3) for three ",
     ),
     (
         lambda: rigid.FreeBody(rigid.Body(MOMENTS[:4]), damping=np.ones(5)),
@@ -319,7 +342,9 @@ REFUSED: list[tuple[Any, ...]] = [
         "omega[9]: the rates of the body are",
     ),
     (
-        by_rk4(rigid.HeavyTop(rigid.Body((1e-3, 1e-3, 1e-3)), mgl=[1.0, 1e308])),
+        by_rk4(
+            rigid.HeavyTop(rigid.Body((1e-3, 1e-3, 1e-3)), mgl=[1.0, 1e308], com=(0.6, 0.0, 0.8))
+        ),
         "mgl[1] = 1e+308: must be below 1e+153 times the least moment, 0.001",
     ),
     (
@@ -484,3 +509,38 @@ def test_bodies_of_one_call_have_the_methods_that_they_need() -> None:
     assert plan.method == "dop853"
     assert plan.why[-2:] == ("2 of 4 bodies in closed form", "1 of 4 bodies by etd4")
     assert rigid.plan(damped, "attitude", omega=omega, t_end=7.0).why[-2:] == plan.why[-2:]
+
+
+TWO = np.array([0.1, 0.2])
+EACH = np.array([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]])
+UNDER_ALL: list[rigid.FreeBody | rigid.HeavyTop] = [
+    rigid.FreeBody(
+        rigid.Body(MOMENTS[:2]),
+        torque=rigid.Torque.body(EACH),
+        damping=EACH,
+        dissipation=rigid.EnergySink(EACH),
+        rotor=EACH,
+        drag=EACH,
+        orbit=rigid.Orbit(TWO, TWO, TWO),
+    ),
+    rigid.HeavyTop(rigid.Body(MOMENTS[:2]), mgl=TWO, com=[[0.0, 0.6, 0.8], [1.0, 0.0, 0.0]]),
+]
+
+
+@pytest.mark.parametrize("scene", UNDER_ALL, ids=lambda scene: type(scene).__name__)
+def test_the_numbers_of_many_bodies_are_those_of_each(scene: Any) -> None:
+    """A body's part of its numbers has the axes that its place says."""
+    places = [name for name in PLACES if _stands_in(scene, name)]
+    assert len(places) > 3
+    together = numbers_of(scene, AT_REST, places, 2)
+    for k in range(2):
+        for name, alone in numbers_of(scene[k], AT_REST, places, 1).items():
+            np.testing.assert_array_equal(together[name][k], alone[0], err_msg=name)
+
+
+def _stands_in(scene: Any, name: str) -> bool:
+    try:
+        numbers_of(scene[0], AT_REST, [name], 1)
+    except (AttributeError, AssertionError, TypeError):
+        return False
+    return True

@@ -321,9 +321,10 @@ def test_a_step_of_zero_changes_nothing() -> None:
     assert all((a == b).all() for a, b in zip(before, (motion.omega, motion.attitude), strict=True))
 
 
-def test_there_may_be_no_bodies() -> None:
+@pytest.mark.parametrize("torque", [[], np.empty((0, 3))])
+def test_there_may_be_no_bodies(torque: Any) -> None:
     motion = rigid.Motion(SCENES["free"], np.empty((0, 3)))
-    motion.step(0.5, torque=np.empty((0, 3)))
+    motion.step(0.5, torque=torque)
     assert (motion.omega.shape, motion.attitude.shape, motion.t) == ((0, 3), (0, 4), 0.5)
 
 
@@ -343,6 +344,14 @@ test_refused = refuses(
         (stepped(torque=(1.0, math.inf, 2.0)), "torque = inf: must be finite"),
         (stepped(torque=np.ones((2, 3))), "torque: expected shape (3,) or (3, 3), got (2, 3)"),
         (stepped(torque=[1.0, 2.0]), "torque: expected shape (3,) or (n, 3), got (2,)"),
+        (stepped(torque=[[], []]), "torque: expected shape (3,) or (n, 3), got (2, 0)"),
+        (stepped(torque=(1.0, 2.0)), "torque: expected shape (3,) or (n, 3), got (2,)"),
+        (stepped(torque=[]), "torque: expected shape (3,) or (3, 3), got (0, 3)"),
+        (stepped(torque=()), "torque: expected shape (3,) or (3, 3), got (0, 3)"),
+        (
+            lambda: rigid.Motion(SCENES["free"], START).step(STEP, []),
+            "torque: expected shape (3,) or (1, 3), got (0, 3)",
+        ),
         (
             stepped(torque=TORQUES[0], method="chin4a"),
             "method = 'chin4a': moves bodies without torque and damping only",

@@ -305,6 +305,10 @@ test_impossible_orbits_are_refused = refuses(
             "true_anomaly = 2.5: must be within the asymptotes of the hyperbola, 2.0944 rad",
         ),
         (lambda: rigid.Orbit.flyby(-1.0, 1.0, 1.0), "gm = -1.0: must be positive"),
+        (  # the Earth in m³/s², but km and km/s
+            lambda: rigid.Orbit.flyby(3.986e14, 38011.0, 5.84),
+            r"eccentricity = 1.0*\d*: 1 \+ periapsis speed² / gm must .* in the same units\?",
+        ),
         (
             lambda: rigid.Orbit.flyby(1.0, 1.0, 1.0, towards=(0.0, 0.6, 0.8)),
             r"towards = \[0.0, 0.6, 0.8\]: must be at right angles to normal",

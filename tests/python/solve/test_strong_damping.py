@@ -1,5 +1,6 @@
 """Damping of any strength: the methods that act by its exponential, and who chooses them."""
 
+import re
 from typing import Any
 
 import numpy as np
@@ -148,10 +149,14 @@ def test_strong_damping_is_noticed() -> None:
     asked = rigid.simulate(damped_top(0.1), *START, t=[1.0], accuracy=1e-8)
     assert weak.plan.method == asked.plan.method != "etd4"
     assert rigid.plan(scene, "rates", step=0.01).method == "etd4"
-    with pytest.raises(ValueError, match="unstable under damping"):
+    with pytest.raises(ValueError, match="unstable under damping") as refused:
         rigid.simulate(scene, *START, t=[0.4], method="dop853", step=0.01)
-    with pytest.raises(ValueError, match="unstable under damping"):  # the plan of this call too
-        rigid.plan(scene, "rates", omega=START[0], t_end=0.4, method="dop853", step=0.01)
+    # The plan of this call too, whatever is known of start and horizon.
+    for known in ({}, {"omega": START[0]}, {"t_end": 0.4}, {"omega": START[0], "t_end": 0.4}):
+        with pytest.raises(ValueError, match=re.escape(str(refused.value))):
+            rigid.plan(scene, "rates", method="dop853", step=0.01, **known)
+    # A step is cut to the horizon.
+    assert rigid.plan(scene, "rates", t_end=1e-6, method="dop853", step=0.01).step == 0.01
     # Left to itself an explicit method takes the many steps that it needs, and says how many.
     many: Any = rigid.plan(scene, "rates", omega=START[0], t_end=0.4, method="rk4")
     assert many.steps > 1e5
