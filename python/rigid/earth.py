@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 from ._checks.arguments import require, shaped
 from ._checks.arrays import Floats
 from ._checks.overflow import refuses_overflow
-from .free import symmetric_free_top
 
 __all__ = [
     "MEAN_RADIUS",
@@ -208,7 +207,10 @@ def wobble(
     *,
     radius: float = MEAN_RADIUS,
 ) -> Wobble:
-    """Periods, angles and circles of the free precession, by :func:`rigid.free.symmetric_free_top`.
+    """Periods, angles and circles of the free precession of a symmetric top.
+
+    The formulas of :func:`rigid.free.symmetric_free_top`, without the sum ``1 + ellipticity`` where
+    it would lose digits of the ellipticity of a body that is nearly a sphere.
 
     Ercan 2016, § 9.3, prints ``phi' = 0.00329`` for 1.00329 times the rate (erratum D-26), and a
     circle of the pole of some tens of centimetres, although 0.2 arc seconds give a radius of 6.18 m
@@ -249,21 +251,19 @@ def wobble(
     require("ellipticity", flat, flat <= 1.0, "must be at most 1, the value of a flat body")
     require("tilt", angle, (angle >= 0.0) & (angle <= 0.5 * pi), "must lie in [0, pi/2] (rad)")
     size = shaped("radius", radius, positive=True)
-    one = np.ones(flat.shape)
-    top = symmetric_free_top(
-        np.stack([one, one, 1.0 + flat], axis=-1),
-        np.stack([speed * np.sin(angle), 0.0 * one, speed * np.cos(angle)], axis=-1),
-        axis=3,
-    )
+    sine, cosine = np.sin(angle), np.cos(angle)
+    axial = (1.0 + flat) * cosine
+    precession = speed * np.hypot(sine, axial)
+    separation = np.arctan2(np.abs(flat) * sine * cosine, sine * sine + axial * cosine)
     return Wobble(
-        period=top.period,
-        precession=top.precession,
-        space_period=2.0 * pi / top.precession,
-        alpha=top.alpha,
-        theta=top.theta,
-        separation=top.space_cone,
-        pole_circle=size * top.alpha,
-        space_circle=size * top.space_cone,
+        period=euler_period(flat, speed * cosine),
+        precession=precession,
+        space_period=2.0 * pi / precession,
+        alpha=np.array(angle)[()],
+        theta=np.arctan2(sine, axial),
+        separation=separation,
+        pole_circle=size * angle,
+        space_circle=size * separation,
     )
 
 

@@ -119,6 +119,7 @@ class Analogy:
     translation: Quantity
 
 
+@refuses_overflow
 def bearing_torques(
     tensor: ArrayLike,
     omega: ArrayLike,
@@ -332,6 +333,7 @@ def two_plane_balance(
     return np.asarray(np.stack([near, far], axis=-2) + 0.0)
 
 
+@refuses_overflow
 def balance_test(
     tensor: ArrayLike,
     *,

@@ -573,7 +573,7 @@ def _bodies(masses: ArrayLike, positions: ArrayLike) -> tuple[Floats, Floats]:
     if r.ndim != 2 or len(r) == 0:
         raise ValueError(f"positions: expected shape (N, 3) of one or more, got {r.shape}")
     m = vector("masses", masses, len(r))
-    return of_shape("masses", m, len(r), positive=True), r
+    return of_shape("masses", m, len(r), positive=True).copy(), r.copy()
 
 
 def _of_pairs(name: str, value: ArrayLike, count: int) -> Floats:

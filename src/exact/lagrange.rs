@@ -290,6 +290,8 @@ pub struct Lagrange<R: Real> {
     at_start: [R; 2],
     momenta: [R; 2],
     spin: R,
+    /// Sum of the rates of alpha and beta.
+    precession: R,
     alpha: Parameter<R>,
     beta: Parameter<R>,
     omega: [R; 3],
@@ -342,11 +344,10 @@ impl<R: Real> Lagrange<R> {
     #[inline(always)]
     pub fn advances(&self) -> [R; 2] {
         let period = self.period() * self.unit;
-        let advance = |parameter: &Parameter<R>| {
-            parameter.rate.fma(period, parameter.sense * parameter.shifted.winding(&self.torus))
-        };
-        let (alpha, beta) = (advance(&self.alpha), advance(&self.beta));
-        [alpha + beta, alpha - beta]
+        let winding = |parameter: &Parameter<R>| parameter.sense * parameter.shifted.winding(&self.torus);
+        let (alpha, beta) = (winding(&self.alpha), winding(&self.beta));
+        let phi = self.precession.fma(period, alpha + beta);
+        [phi, self.alpha.rate.fma(period, alpha) - self.beta.rate.fma(period, beta)]
     }
 }
 
@@ -454,10 +455,14 @@ impl<R: Real> Motion<R> for Lagrange<R> {
         let at_wa = Phase { quarters: one, rest: zero };
         let at_wb = Phase { quarters: zero, rest: zero };
         let local = alpha.shifted.rate::<true>(&torus, &at_wa, &torus.multiples(&at_wa));
-        alpha.rate = half * (spin_excess + start.bottom / (i1 * rest_a)) - alpha.sense * (rate * local);
+        let (from_bottom, alpha_own) = (start.bottom / (i1 * rest_a), alpha.sense * (rate * local));
+        alpha.rate = half * (spin_excess + from_bottom) - alpha_own;
         let x_at_wb = torus.multiples(&at_wb);
         let local = beta.shifted.rate::<false>(&torus, &at_wb, &x_at_wb);
-        beta.rate = half * (top / (i1 * wb) - spin_excess) - beta.sense * (rate * local);
+        let (from_top, beta_own) = (top / (i1 * wb), beta.sense * (rate * local));
+        beta.rate = half * (from_top - spin_excess) - beta_own;
+        // Their sum without the spin, whose rounding exceeds the precession of a needle.
+        let precession = half * (from_bottom + from_top) - (alpha_own + beta_own);
 
         // The constants from the start; exactly at a pole, from the derivative.
         let x = torus.multiples(&phase);
@@ -493,6 +498,7 @@ impl<R: Real> Motion<R> for Lagrange<R> {
             at_start: [tilt, rest],
             momenta: [top, spin],
             spin: w3,
+            precession,
             alpha,
             beta,
             omega: *omega,

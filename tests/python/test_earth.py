@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import tplquad
 
 import rigid
+from physics import ROUNDOFF
 from refusals import refuses
 from rigid import earth, free
 
@@ -50,6 +51,11 @@ def test_the_wobble_of_the_thesis() -> None:
     assert found.separation == pytest.approx(FLAT / (1 + FLAT) * TILT, rel=1e-11)
     assert found.theta == pytest.approx(np.arctan(np.tan(TILT) / (1 + FLAT)), rel=1e-15)
     assert found.period * np.cos(TILT) == pytest.approx(earth.euler_period(FLAT, RATE), rel=1e-12)
+    # A body that is nearly a sphere keeps the digits of its ellipticity.
+    nearly = earth.wobble(1e-13, RATE, 0.5)
+    expected = earth.euler_period(1e-13, RATE * np.cos(0.5))
+    assert nearly.period == pytest.approx(expected, rel=4 * ROUNDOFF)
+    assert nearly.separation == pytest.approx(1e-13 * np.sin(0.5) * np.cos(0.5), rel=1e-12)
 
 
 def test_the_earth_of_the_report() -> None:

@@ -55,6 +55,14 @@ def central_difference(function: Callable[[Floats], Any], at: Floats, step: floa
     return np.stack([along(k) for k in range(at.size)], axis=-1)
 
 
+def test_particles_keep_their_places_when_the_arrays_of_the_caller_change() -> None:
+    masses, places = MASSES.copy(), FIVE.copy()
+    system = springs.pair_system(masses, places, stiffness=1.0)
+    masses[:], places[:] = 9.0, 0.0
+    assert np.array_equal(system.masses, MASSES)
+    assert np.array_equal(system.positions, FIVE)
+
+
 @LAW
 def test_energy_is_the_sum_over_pairs(system: springs.PairSystem) -> None:
     x = FIVE + 0.05 * np.sin(np.arange(15.0)).reshape(5, 3)

@@ -276,11 +276,14 @@ def sorted_times(name: str, value: ArrayLike) -> NDArray[np.float64]:
 
 
 def times_of_each(name: str, value: ArrayLike) -> NDArray[np.float64]:
-    """``value`` as finite times that ascend along the last axis, shape ``(..., m)``."""
+    """``value`` as finite times that ascend along the last axis, shape ``(..., m)``.
+
+    A copy, which results keep when the caller turns an array of seconds into hours.
+    """
     plain: NDArray[np.float64] | None = _core.plain_numbers(value, ascending=True)
     if plain is not None:
-        return plain
-    array = numbers(name, value)
+        return plain.copy()
+    array = numbers(name, value).copy()
     array = array if array.ndim else array.reshape(1)
     _finite(name, array)
     if array.shape[-1] > 1 and (array[..., 1:] < array[..., :-1]).any():

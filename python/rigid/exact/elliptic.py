@@ -17,6 +17,9 @@ from .._checks.overflow import refuses_overflow
 LARGEST = 1e200
 """Largest argument of R_D and R_J, whose duplication multiplies three square roots."""
 
+TINY = np.finfo(np.float64).tiny
+"""Smallest double with all its digits."""
+
 
 @refuses_overflow
 def carlson_rf(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
@@ -145,6 +148,7 @@ def carlson_rj(x: ArrayLike, y: ArrayLike, z: ArrayLike, p: ArrayLike) -> Floats
     return _carlson("rj", {"x": x, "y": y, "z": z, "p": p}, positive=("p",))
 
 
+@refuses_overflow
 def agm(a: ArrayLike, b: ArrayLike) -> Floats:
     """Arithmetic-geometric mean of numbers that are not negative; the arguments broadcast.
 
@@ -153,7 +157,7 @@ def agm(a: ArrayLike, b: ArrayLike) -> Floats:
     Parameters
     ----------
     a, b : array_like
-        Numbers, not negative.
+        Numbers, not negative; a quotient above 1e460 is refused.
 
     Returns
     -------
@@ -174,7 +178,12 @@ def agm(a: ArrayLike, b: ArrayLike) -> Floats:
     first, second = np.broadcast_arrays(shaped("a", a), shaped("b", b))
     require("a", first, first >= 0.0, "must not be negative")
     require("b", second, second >= 0.0, "must not be negative")
-    return _called("agm", first, second)[0]
+    # By a power of two, which changes no digit, to numbers whose product is a double.
+    power = np.frexp(np.maximum(first, second))[1] - 511
+    one, other = np.ldexp(first, -power), np.ldexp(second, -power)
+    if ((one < TINY) & (first > 0.0) | (other < TINY) & (second > 0.0)).any():
+        raise OverflowError
+    return np.asarray(np.ldexp(_called("agm", one, other)[0], power))[()]
 
 
 def jacobi(u: ArrayLike, mc: ArrayLike) -> tuple[Floats, Floats, Floats]:

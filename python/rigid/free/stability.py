@@ -162,6 +162,7 @@ def gamma_residual(factors: ArrayLike) -> Floats:
     return residual
 
 
+@refuses_overflow
 def jacobian(factors: ArrayLike, omega: ArrayLike) -> Floats:
     """The matrix ``d omega' / d omega`` of Euler's equations without torque.
 
@@ -171,8 +172,9 @@ def jacobian(factors: ArrayLike, omega: ArrayLike) -> Floats:
     Parameters
     ----------
     factors : array_like, shape (..., 3)
-        Factors of Euler's equations, such as the result of :func:`gammas`. omega : array_like,
-        shape (..., 3) Angular velocity in the body (rad/s).
+        Factors of Euler's equations, such as the result of :func:`gammas`.
+    omega : array_like, shape (..., 3)
+        Angular velocity in the body (rad/s).
 
     Returns
     -------

@@ -18,6 +18,7 @@ from ..model.body import Body
 from ..model.body_like import BodyLike, moments_of
 from ..model.scene import FreeBody
 from ..model.start import body_axis
+from ..solve.run import of_known_states
 from ..solve.simulate import simulate
 
 
@@ -277,9 +278,10 @@ def _states(
         return None, None
     scene = FreeBody(Body(moments, physical=False))
     run = simulate(scene, rates, attitude, t=sorted_times("t", t), method="exact")
-    return run.omega, run.attitude
+    return of_known_states(run).omega, run.attitude
 
 
+@refuses_overflow
 def steady_axis_frame(body: BodyLike, spin: ArrayLike, tilt: ArrayLike = 0.0) -> Floats:
     """Angular velocity of the frame in which a free symmetric top precesses steadily.
 
@@ -322,6 +324,7 @@ def steady_axis_frame(body: BodyLike, spin: ArrayLike, tilt: ArrayLike = 0.0) ->
     return np.stack([axial * np.tan(angle), np.zeros(axial.shape), axial], axis=-1)
 
 
+@refuses_overflow
 def steady_axis_spin(body: BodyLike, frame_rate: ArrayLike) -> Floats:
     """The spin ``nu = Omega3 (I - I3) / I3`` that follows from the angular velocity of the frame.
 

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from .._checks.arguments import first_place, shaped
 from .._checks.arrays import Floats
 from .._checks.moments import possible_tensor
+from .._checks.overflow import refuses_overflow
 from ..rotations.quaternions import quaternion_to_matrix, quaternions
 from ..solids.mass_properties import MassProperties
 
@@ -23,13 +24,14 @@ _NOTHING = 1e-14
 
 @runtime_checkable
 class HasMoments(Protocol):
-    """A body: any object that has principal moments of inertia."""
+    """A body or many: any object that has principal moments of inertia."""
 
     @property
-    def moments(self) -> tuple[float, float, float]:
+    def moments(self) -> tuple[float, float, float] | Floats:
         """Principal moments of inertia (kg m²)."""
 
 
+@refuses_overflow
 def rotational_energy(omega: ArrayLike, inertia: HasMoments | MassProperties | ArrayLike) -> Floats:
     """Kinetic energy of rotation: ``½ omega·I omega``.
 
@@ -43,7 +45,7 @@ def rotational_energy(omega: ArrayLike, inertia: HasMoments | MassProperties | A
         Angular velocity (rad/s) in the axes of the tensor.
     inertia : Body, MassProperties, or array_like of shape (3,) or (..., 3, 3)
         Principal moments of one body, or tensors of inertia (kg m²). For moments of many bodies
-        pass diagonal tensors, ``moments[..., None] * np.eye(3)``.
+        pass diagonal tensors, ``moments[..., None] * np.eye(3)``, or a :class:`rigid.Body`.
 
     Returns
     -------
@@ -66,6 +68,7 @@ def rotational_energy(omega: ArrayLike, inertia: HasMoments | MassProperties | A
     return energy
 
 
+@refuses_overflow
 def kinetic_energy(
     omega: ArrayLike,
     inertia: HasMoments | MassProperties | ArrayLike,
@@ -104,6 +107,7 @@ def kinetic_energy(
     return energy
 
 
+@refuses_overflow
 def energy_from_momentum(
     momentum: ArrayLike, inertia: HasMoments | MassProperties | ArrayLike
 ) -> Floats:
@@ -139,6 +143,7 @@ def energy_from_momentum(
     return energy
 
 
+@refuses_overflow
 def angular_momentum(
     omega: ArrayLike,
     inertia: HasMoments | MassProperties | ArrayLike,
@@ -180,6 +185,7 @@ def angular_momentum(
     return L
 
 
+@refuses_overflow
 def omega_from_momentum(
     momentum: ArrayLike,
     inertia: HasMoments | MassProperties | ArrayLike,
@@ -237,7 +243,7 @@ def omega_from_momentum(
 def _tensor(inertia: HasMoments | MassProperties | ArrayLike) -> Floats:
     """Tensors of inertia of a body, of mass properties, of moments, or an array of tensors."""
     if isinstance(inertia, HasMoments):
-        return np.diag(inertia.moments)
+        return np.asarray(inertia.moments)[..., np.newaxis] * np.eye(3)
     if isinstance(inertia, MassProperties):
         return inertia.tensor
     if np.shape(inertia) == (3,):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import shaped, sorted_times, together, vectors_together
-from .._checks.arrays import Floats
+from .._checks.arrays import Floats, of_size_one
 from .._checks.matrices import rotation_matrices
 from .._checks.overflow import refuses_overflow
 from ..model.body import Body, require_one
@@ -108,6 +108,7 @@ class OmegaFit:
     rank: NDArray[np.intp]
 
 
+@refuses_overflow
 def rigid_motion(
     before: ArrayLike, after: ArrayLike, weights: ArrayLike | None = None
 ) -> Displacement:
@@ -226,6 +227,7 @@ def screw(rotation: ArrayLike, translation: ArrayLike) -> Screw:
     shift = shaped("translation", translation, 3)
     vector = Rotation.from_matrix(matrix.reshape(-1, 3, 3)).as_rotvec().reshape(matrix.shape[:-1])
     vector, shift = together(rotation=vector, translation=shift)
+    shift, power = of_size_one(shift)
     angle, distance = (np.linalg.norm(of, axis=-1)[..., np.newaxis] for of in (vector, shift))
     axis = np.divide(shift, distance, out=np.zeros(shift.shape), where=distance > 0.0)
     np.divide(vector, angle, out=axis, where=angle > 0.0)
@@ -235,9 +237,9 @@ def screw(rotation: ArrayLike, translation: ArrayLike) -> Screw:
         point = 0.5 * (across + np.cross(axis, across) / np.tan(0.5 * angle))
     return Screw(
         axis=axis,
-        point=np.where(angle > 0.0, point, 0.0),
+        point=np.ldexp(np.where(angle > 0.0, point, 0.0), power),
         angle=angle[..., 0],
-        advance=advance[..., 0],
+        advance=np.ldexp(advance, power)[..., 0],
     )
 
 

@@ -217,6 +217,7 @@ def split_com(
     )
 
 
+@refuses_overflow
 def degrees_of_freedom(
     positions: ArrayLike,
     *,
@@ -306,6 +307,7 @@ def degrees_of_freedom(
     )
 
 
+@refuses_overflow
 def rigidity_residual(positions: ArrayLike) -> Floats:
     """Rigidity error of moving points: the largest relative change of a distance.
 

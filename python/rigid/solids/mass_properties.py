@@ -61,8 +61,8 @@ class MassProperties:
         tensor = possible_tensor("tensor", tensor)
         leading = np.broadcast_shapes(mass.shape, centre.shape[:-1], tensor.shape[:-2])
         set_field = object.__setattr__  # the dataclass is frozen
-        set_field(self, "mass", np.broadcast_to(mass, leading))
-        set_field(self, "centre", np.broadcast_to(centre, (*leading, 3)))
+        set_field(self, "mass", np.broadcast_to(mass.copy(), leading))
+        set_field(self, "centre", np.broadcast_to(centre.copy(), (*leading, 3)))
         set_field(self, "tensor", np.broadcast_to(tensor, (*leading, 3, 3)))
 
     def about(self, point: ArrayLike) -> Floats:

@@ -19,6 +19,13 @@ from .._files import published
 _WIDTHS = {"QUATERNION": 4, "QUATERNION/DERIVATIVE": 8, "QUATERNION/ANGVEL": 7}
 """Numbers of a line of data after its time, by the ``ATTITUDE_TYPE``; first the quaternion."""
 
+_KNOWN = {
+    "ATTITUDE_TYPE": tuple(_WIDTHS),
+    "ATTITUDE_DIR": ("A2B", "B2A"),
+    "QUATERNION_TYPE": ("LAST", "FIRST"),
+}
+"""Entries with a choice; the first is meant where version 1 may leave one out."""
+
 _OFF = 1e-3
 """Largest deviation of the length of a quaternion from 1: three digits of it are written."""
 
@@ -192,7 +199,10 @@ def load_aem(path: str | os.PathLike[str], *, segment: int | None = None) -> Att
             elif line in ("META_STOP", "DATA_STOP"):
                 inside = ""
             elif inside == "DATA":
-                segments[-1][1].append(_row(line, width))
+                row, rows = _row(line, width), segments[-1][1]
+                if rows and row[:2] <= rows[-1][:2]:
+                    raise ValueError("the times must ascend")
+                rows.append(row)
             else:
                 name, equals, value = (part.strip() for part in line.partition("="))
                 if not equals:
@@ -212,14 +222,15 @@ def load_aem(path: str | os.PathLike[str], *, segment: int | None = None) -> Att
 
 
 def _width(entries: Mapping[str, str]) -> int:
-    """Numbers in a line of data; ValueError for other data, or an entry that is missing."""
+    """Numbers in a line of data; ValueError for an entry that is missing or wrong."""
     missing = [name for name in _NEEDED if name not in entries]
     if missing:
         raise ValueError(f"{missing[0]} is missing")
-    kind = entries["ATTITUDE_TYPE"].upper()
-    if kind not in _WIDTHS:
-        raise ValueError(f"ATTITUDE_TYPE = {brief(kind)}: must be one of {', '.join(_WIDTHS)}")
-    return _WIDTHS[kind]
+    for name, known in _KNOWN.items():
+        kind = entries.get(name, known[0]).upper()
+        if kind not in known:
+            raise ValueError(f"{name} = {brief(kind)}: must be one of {', '.join(known)}")
+    return _WIDTHS[entries["ATTITUDE_TYPE"].upper()]
 
 
 def _row(line: str, width: int) -> tuple[datetime, float, list[float]]:
@@ -228,12 +239,19 @@ def _row(line: str, width: int) -> tuple[datetime, float, list[float]]:
     values = [float(number) for number in numbers]
     if len(values) != width or not np.isfinite(values).all():
         raise ValueError(f"{brief(line)}: must be a time and {width} finite numbers")
-    date, _, clock = stamp.removesuffix("Z").partition("T")
-    hours, minutes, seconds = clock.split(":")
-    day = datetime.strptime(date, "%Y-%j" if date.count("-") == 1 else "%Y-%m-%d")
-    whole, point, rest = seconds.partition(".")
-    begin = day + timedelta(hours=int(hours), minutes=int(minutes), seconds=int(whole))
-    return begin, float(f"0.{rest or 0}") if point else 0.0, values[:4]
+    if abs(np.linalg.norm(values[:4]) - 1.0) > _OFF:
+        raise ValueError("a quaternion has not the length 1")
+    minute, _, seconds = stamp.removesuffix("Z").rpartition(":")
+    whole, _, rest = seconds.partition(".")
+    try:
+        begin = datetime.strptime(minute, f"%Y-{'%j' if minute.count('-') == 1 else '%m-%d'}T%H:%M")
+        if not (whole + rest).isdecimal() or int(whole) > 60:  # 60 is a leap second
+            raise ValueError
+    except ValueError:
+        raise ValueError(
+            f"{brief(stamp)}: must be a time such as 2026-01-31T12:00:00.5 or 2026-031T12:00:00"
+        ) from None
+    return begin + timedelta(seconds=int(whole)), float(f"0.{rest or 0}"), values[:4]
 
 
 def _ephemeris(
@@ -243,14 +261,10 @@ def _ephemeris(
     first, beyond, _ = rows[0]
     # Whole seconds are subtracted exactly, then their fractions.
     t = np.array([(at - first).total_seconds() + (rest - beyond) for at, rest, _ in rows])
-    if (np.diff(t) <= 0.0).any():
-        raise ValueError("the times must ascend")
     parts = np.array([values for _, _, values in rows])
     if entries.get("QUATERNION_TYPE", "LAST").upper() == "LAST":
         parts = np.roll(parts, 1, axis=1)
     length = np.linalg.norm(parts, axis=1, keepdims=True)
-    if (np.abs(length - 1.0) > _OFF).any():
-        raise ValueError("a quaternion has not the length 1")
     if entries.get("ATTITUDE_DIR", "A2B").upper() == "B2A":
         parts = parts * [1.0, -1.0, -1.0, -1.0]
     return AttitudeEphemeris(t, parts / length, first + timedelta(seconds=beyond), entries)

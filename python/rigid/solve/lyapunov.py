@@ -154,7 +154,7 @@ def lyapunov(
     count = positive_int("exponents", exponents)
     most = 6 if of == "attitude" else 5
     if count > most:
-        raise ValueError(f"exponents = {count}: must be at most {most} of = {of!r}")
+        raise ValueError(f"exponents = {count}: must be at most {most} for of = {of!r}")
     times = sorted_times("t", t)
     if not len(times) or times[0] <= 0.0:
         raise ValueError(f"t = {times[0] if len(times) else '[]'}: must be positive times")
@@ -322,7 +322,7 @@ def _deviations(bodies: Bodies, start: ArrayLike | None, count: int, of: str) ->
     for body, vectors in enumerate(_measured(bodies, several, of)):
         sizes = np.linalg.norm(vectors, axis=1)
         if not (sizes > 1e-12 * np.linalg.norm(given, axis=1)).all():
-            raise ValueError(f"start: a deviation vector of body {body} has no size of = {of!r}")
+            raise ValueError(f"start: a deviation vector of body {body} has no size by of = {of!r}")
         if np.linalg.matrix_rank(vectors / sizes[:, np.newaxis], tol=1e-8) < count:
             raise ValueError(f"start: the deviation vectors of body {body} depend on each other")
     return np.array(several)

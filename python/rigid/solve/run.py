@@ -12,7 +12,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, one_of, one_time, resolve_threads, shaped, whole
+from .._checks.arguments import (
+    brief,
+    first_place,
+    one_of,
+    one_time,
+    resolve_threads,
+    shaped,
+    whole,
+)
 from .._checks.arrays import Floats
 from .._checks.progress import ProgressOption
 from .._checks.shown import counted
@@ -932,6 +940,18 @@ def states_of(
     if not all(np.isfinite(values).all() for values in states):
         raise ValueError("status: states that are not finite cannot be shown")
     return states
+
+
+def of_known_states(run: Run) -> Run:
+    """The run, if all its states are finite; ValueError with the reason of the first other body."""
+    lost = np.asarray(~np.isfinite(run.omega).all(axis=(-2, -1)))
+    if lost.any():
+        index, place = first_place(lost)
+        reason = np.array(run.reasons()).reshape(lost.shape)[index]
+        raise ValueError(
+            f"omega{place} = {run.start_omega[index].tolist()}: the motion is {reason}"
+        )
+    return run
 
 
 def _recording_of(run: Run, body: int | None) -> Recording:

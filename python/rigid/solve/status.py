@@ -88,6 +88,11 @@ def ending(
     status = Status(code)
     if status == Status.STEP_LIMIT and "function" in forces:
         return _STATUS_WORDS[status] + _DEAD_ZONE
+    if status == Status.NOT_FINITE and spec["method"] == EXACT:
+        return (
+            "not finite: a number overflowed, or the phase passed 2**50; end the run earlier or "
+            "take other units"
+        )
     if status not in (Status.FLAGGED, Status.COARSE):
         return _STATUS_WORDS[status]
     cure = _cure(spec)

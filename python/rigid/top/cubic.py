@@ -271,13 +271,18 @@ def _depths(
     total = np.where(light, 2.0 * (eps - d * b) / square, total)
     product = np.where(light, d * d / square, product)
     half = 0.5 * total
+    # Squares of half the distance of two roots come from f between them: half² less the product
+    # loses the digits of fast tops and of small swings about the lowest point.
+    free = half * (2.0 - half) * (eps + beta * half) - (d + b * half) ** 2
+    steep = np.where(light, square, unit * (half + below))
+    free = free / np.where(steep > 0.0, steep, 1.0)
     # A top that passes the vertical, d = 0, has the root 0 besides the roots of w² - c2 w - c1.
-    through = (d == 0.0) & ~light
-    least, highest = _pair(0.5 * c2, -c1)
-    least, middle, highest = np.sort(np.stack([least, np.zeros(d.shape), highest]), axis=0)
-    free = half * half - product
+    through, mid = (d == 0.0) & ~light, 0.5 * c2
+    beyond = ((2.0 - mid) * (eps + beta * mid) - b * b * mid) / unit
+    larger = mid + np.copysign(np.sqrt(np.maximum(beyond, 0.0)), mid)
+    smaller = -c1 / np.where(larger != 0.0, larger, 1.0)
+    least, middle, highest = np.sort(np.stack([larger, np.zeros(d.shape), smaller]), axis=0)
     # Rounding of the constants may make a double root (steady precession) complex.
-    beyond = 0.25 * c2 * c2 + c1
     real = np.where(through, beyond >= -SLACK * c2 * c2, free >= -SLACK * np.abs(half))
     inside = np.where(through, middle, half) >= -SLACK
     inside &= through | (half <= 2.0 + SLACK)
@@ -290,12 +295,6 @@ def _depths(
         np.clip(np.where(through, middle, np.minimum(narrow, wide)), 0.0, 2.0) + 0.0,  # no -0
         np.clip(np.where(through, highest, wide), 0.0, 2.0) + 0.0,
     )
-
-
-def _pair(half: Floats, product: Floats) -> tuple[Floats, Floats]:
-    """Roots of ``w² - 2 half w + product``, without cancellation; equal where they are complex."""
-    larger = half + np.copysign(np.sqrt(np.maximum(half * half - product, 0.0)), half)
-    return larger, product / np.where(larger != 0.0, larger, 1.0)
 
 
 def _largest_root(c2: Floats, c1: Floats, c0: Floats) -> Floats:

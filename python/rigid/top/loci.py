@@ -13,6 +13,7 @@ from .._checks.arrays import AttitudeLike, Floats, attitudes
 from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop, check_heavy_top
 from ..rotations.apply import to_space
+from ..solve.run import of_known_states
 from ..solve.simulate import simulate
 from .constants import over_tops, symmetric, tilts
 
@@ -182,7 +183,7 @@ def locus(
     [-0.869282411, 0.435218414, 0.234377947]
     """
     check_heavy_top(scene, many=True)
-    run = simulate(scene, omega, attitude, t=t)
+    run = of_known_states(simulate(scene, omega, attitude, t=t))
     assert run.attitude is not None  # recorded by default
     point = to_space(attitudes(run.attitude), np.asarray(scene.com)[..., np.newaxis, :])
     x, y, z = np.moveaxis(point, -1, 0)

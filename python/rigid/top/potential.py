@@ -139,8 +139,11 @@ def effective_minimum(scene: HeavyTop, *, a: ArrayLike, b: ArrayLike) -> Floats:
 
         Without squares of a and b, which leave the range of doubles.
         """
-        depth = 2.0 * np.sin(0.5 * tilt) ** 2
-        one, other = a - b + b * depth, b - a + a * depth
+        upper = tilt < 0.5 * np.pi
+        depth = 2.0 * np.where(upper, np.sin(0.5 * tilt), np.cos(0.5 * tilt)) ** 2
+        # From the nearer end of the vertical, so that no digits cancel.
+        one = np.where(upper, a - b + b * depth, a + b - b * depth)
+        other = np.where(upper, b - a + a * depth, a + b - a * depth)
         root = np.sqrt(np.abs(one)) * np.sqrt(np.abs(other))
         sine = np.where(tilt == np.pi, 0.0, np.sin(tilt))
         value: Floats = np.sign(one) * np.sign(other) * root - swing * sine**2

@@ -269,6 +269,11 @@ def test_the_mean_is_gauss_s() -> None:
     assert 1.0 / exact.agm(1.0, np.sqrt(2.0)) == pytest.approx(0.8346268416740731, rel=4 * ROUNDOFF)
     assert exact.agm([1.0, 4.0], [[1.0], [4.0]]).shape == (2, 2)
     assert exact.agm(3.0, 3.0) == 3.0
+    # It is homogeneous; products of such numbers leave the range of doubles.
+    unit = 2.0**600 * np.array([[1.0], [2.0**-1200]])
+    assert np.array_equal(exact.agm(unit * [1.0, 1e-300], unit), unit * exact.agm([1.0, 1e-300], 1))
+    assert exact.agm(1e308, 1e308) == 1e308
+    assert exact.agm(5e-324, 5e-324) == 5e-324
     mc = np.array([1e-6, 0.5, 1.0])
     np.testing.assert_allclose(
         np.pi / 2 / exact.agm(1.0, np.sqrt(mc)), ellipk(1.0 - mc), rtol=1e-10

@@ -296,6 +296,17 @@ def test_steady_precession_of_a_vertical_axis_is_the_limit_of_a_tilted_one(
         assert abs(sum(terms)) < 16 * ROUNDOFF * np.abs(terms).max()
 
 
+def test_a_needle_precesses_as_a_wheel_of_its_momentum() -> None:
+    """The nutation depends on I3 omega3 alone; a needle turns 1e12 times as far about its axis."""
+    thin = 2.0 ** -np.array([1.0, 10.0, 40.0])
+    bodies = rigid.Body(np.stack([np.ones(3), np.ones(3), thin], axis=-1))
+    spins = np.stack([np.full(3, 0.1), np.zeros(3), 10.0 / thin], axis=-1)
+    motion = exact.lagrange_top(rigid.HeavyTop(bodies, mgl=1.0), spins, tilted(1.0))
+    # A few roundings of two pi, the phase of a nutation, over an advance of 0.06.
+    np.testing.assert_allclose(motion.precession_advance, motion.precession_advance[0], rtol=2e-13)
+    np.testing.assert_allclose(motion.precession, motion.precession[0], rtol=2e-13)
+
+
 def test_steady_precession_exists_above_a_spin() -> None:
     slow, fast = exact.steady_precession(TOP, [[0.1], [1.0], [2.0]], [1.0, 3.0, 4.0, 5.0])
     assert slow.shape == fast.shape == (3, 4)

@@ -8,7 +8,7 @@ from scipy.special import ellipj, ellipk, ellipkinc
 
 import rigid
 from free_motions import OBLATE, PROLATE, SPUN, moments_at_random, path
-from physics import ROUNDOFF, Floats, angle_between, golden_number, present, rotation_matrix
+from physics import ROUNDOFF, Floats, angle_between, golden_number, present, rotation_matrix, tilted
 from rigid import Body, FreeBody, free
 
 RANDOM = np.random.default_rng(38)
@@ -75,6 +75,21 @@ def test_the_symmetric_free_top_on_its_path(body: tuple[float, float, float], sp
     assert (2 * np.pi / ((body[2] - 1.0) * spin) > 0.0) == (found.k > 0.0)
     # D-22: the printed half angle of the space cone is theta.
     assert abs(found.theta - angle_between(in_space, momentum)[0]) > 0.05
+
+
+def test_turns_beyond_the_digits_of_a_phase_are_refused() -> None:
+    """At 3e17 rad a double does not tell the angle: there are no rates to return."""
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    beyond, starts = [0.0, 1e17], np.stack([[0.0, 0.0, 1.0], SPUN])
+    for call in (
+        lambda: free.symmetric_free_top(OBLATE, starts, t=beyond),
+        lambda: free.asymmetric_free_top((1.0, 2.0, 2.5), starts, t=beyond),
+        lambda: rigid.top.locus(top, starts, tilted(0.3), t=beyond),
+    ):
+        with pytest.raises(
+            ValueError, match=r"^omega\[[01]\] = .*: the motion is not finite: .*phase"
+        ):
+            call()
 
 
 def test_symmetric_limits() -> None:

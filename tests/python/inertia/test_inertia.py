@@ -236,8 +236,18 @@ def test_bodies_mass_properties_moments_and_tensors_mean_the_same() -> None:
     energies = [float(inertia.rotational_energy(omega, each)) for each in given]
     assert energies == pytest.approx([energies[0]] * 4, rel=ROUNDED)
     # Three bodies by their moments are not a tensor.
-    many = np.array([[1.0, 2.0, 2.5]] * 3)[..., None] * np.eye(3)
-    assert inertia.rotational_energy(omega, many).shape == (3,)
+    moments = np.array([[1.0, 2.0, 2.5]] * 3)
+    many = inertia.rotational_energy(omega, moments[..., None] * np.eye(3))
+    assert many.shape == (3,)
+    assert np.array_equal(inertia.rotational_energy(omega, rigid.Body(moments)), many)
+
+
+def test_mass_properties_keep_their_numbers_when_the_arrays_of_the_caller_change() -> None:
+    mass, centre = np.array([2.0]), np.ones((1, 3))
+    kept = inertia.MassProperties(mass=mass, centre=centre, tensor=np.eye(3))
+    mass[:], centre[:] = 3.0, 0.0
+    assert kept.mass.tolist() == [2.0]
+    assert kept.centre.tolist() == [[1.0] * 3]
 
 
 def test_a_rod_turns_without_momentum_about_itself() -> None:

@@ -309,6 +309,11 @@ def test_a_pure_translation_has_an_axis_but_no_turn() -> None:
     assert found.advance.tolist() == [0.5, 0.0]
     assert found.pitch.tolist() == [np.inf, 0.0]
     assert found.point.tolist() == [[0.0, 0.0, 0.0]] * 2
+    # Squares of these shifts are no doubles.
+    assert particles.screw(np.eye(3), [[1e-200, 0, 0], [0, 1e300, 0]]).advance.tolist() == [
+        1e-200,
+        1e300,
+    ]
     assert particles.screw(np.zeros((0, 3, 3)), np.zeros((0, 3))).axis.shape == (0, 3)
 
 

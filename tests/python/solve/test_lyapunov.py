@@ -403,7 +403,7 @@ def test_a_long_horizon_overflows_nothing() -> None:
 test_bad_arguments_are_refused_by_name = refuses(
     [
         ({"of": "speed"}, "of = 'speed': must be one of 'rates', 'attitude'"),
-        ({"exponents": 6}, "exponents = 6: must be at most 5 of = 'rates'"),
+        ({"exponents": 6}, "exponents = 6: must be at most 5 for of = 'rates'"),
         ({"exponents": 7, "of": "attitude"}, "exponents = 7: must be at most 6"),
         ({"t": [0.0, 1.0]}, "t = 0.0: must be positive times"),
         ({"t": []}, r"t = \[\]: must be positive times"),
@@ -411,7 +411,7 @@ test_bad_arguments_are_refused_by_name = refuses(
         ({"method": "exact"}, "method = 'exact': deviation vectors are integrated"),
         ({"method": "dmv10"}, "method = 'dmv10': has no tangent"),
         *(
-            ({"start": start}, "start: a deviation vector of body 0 has no size of = 'rates'")
+            ({"start": start}, "start: a deviation vector of body 0 has no size by of = 'rates'")
             for start in ([0.0] * 6, [0.0] * 5 + [1.0])
         ),
         ({"start": np.ones((2, 6)), "exponents": 2}, "start: .* depend on each other"),

@@ -216,9 +216,11 @@ def test_threads_read_one_plan() -> None:
 
 
 def test_a_run_keeps_its_start_when_the_arrays_of_the_caller_change() -> None:
-    omega, attitude = RATES.copy(), QUATERNIONS.copy()
-    run = rigid.simulate(FREE, omega, attitude, t=[2.0])
+    omega, attitude, t = RATES.copy(), QUATERNIONS.copy(), np.array([2.0])
+    run = rigid.simulate(FREE, omega, attitude, t=t)
     omega[:], attitude[:] = 9.0, 0.5
+    t /= 3600.0
+    assert run.t.tolist() == [2.0]
     assert np.array_equal(run.start_omega, RATES)
     assert np.array_equal(run.at([2.0]).omega, run.omega)
     for start in (run.start_omega, run.start_attitude):

@@ -1,5 +1,6 @@
 """The nutation of a symmetric top: its cubic, its period, the kinds of loci, the fast top."""
 
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -61,6 +62,29 @@ def test_roots_of_many_tops() -> None:
         scale = size * np.maximum(np.abs(root), 1.0) ** 3
         assert (np.abs(top.f_u(root, **constants)) < 1e-14 * scale).all()
     np.testing.assert_allclose(top.nutation_period(**constants), motion.period, rtol=1e-11)
+
+
+def test_roots_that_lie_close_together_keep_their_digits() -> None:
+    # A top of 1e4 rad/s released at 60 degrees: Goldstein, eq. (5.69), for its fall by x.
+    b, beta = 2.0**14, 2.0
+    p = b * b / beta - 1.0
+    fall = 1.5 / (p + np.sqrt(p * p + 3.0))
+    fast = top.f_roots(a=0.5 * b, b=b, alpha=0.5 * beta, beta=beta)
+    # A few roundings of numbers of size one; half² less the product errs by their square root.
+    assert abs(fast.u2 - 0.5) < 1e-15
+    assert abs(fast.u1 - (0.5 - fall)) < 1e-15
+    # A pendulum that swings on an ellipse of some 1e-4 rad: of its roots without spin,
+    # u1 u2 + u1 u3 + u2 u3 = -1. The rounding of alpha moves them by one of size one.
+    u1, u2 = Fraction(1, 2**27) - 1, Fraction(1, 2**25) - 1
+    u3 = -(1 + u1 * u2) / (u1 + u2)
+    alpha = 2 * (u1 + u2 + u3)
+    constants = {"a": np.sqrt(float(alpha + 2 * u1 * u2 * u3)), "b": 0.0, "alpha": float(alpha)}
+    slow = top.f_roots(**constants, beta=2.0)
+    assert abs(slow.u1 - float(u1)) < 1e-15
+    assert abs(slow.u2 - float(u2)) < 1e-15
+    plane = top.f_roots(a=0.0, b=0.0, alpha=2.0 * float(u2), beta=2.0)
+    assert abs(plane.u1 + 1.0) < 1e-15
+    assert abs(plane.u2 - float(u2)) < 1e-15
 
 
 def test_states_near_the_vertical_have_roots() -> None:

@@ -220,6 +220,10 @@ def test_ends_of_the_potential() -> None:
     assert lowest[1] == pytest.approx(0.0, abs=1e-7)
     assert lowest[2] == pytest.approx(2 * np.arccos(np.sqrt(0.99)), rel=1e-12)
     assert lowest[3] == np.pi
+    # A conical pendulum at (a + b)^(1/2) / (mgl/I1 + b²/4)^(1/4) = 8e-7 from the lowest point, up
+    # to the square of this angle and the spacing of doubles at pi.
+    low = np.pi - top.effective_minimum(TOP, a=-2.0 + 2.0**-40, b=2.0)
+    assert low == pytest.approx(2.0**-20.25, rel=2e-9)
     assert top.effective_minimum(OTHER, a=0.0, b=0.0) == np.pi
     assert top.effective_minimum(OTHER, a=np.empty(0), b=2.0).shape == (0,)
 
