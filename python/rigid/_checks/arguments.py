@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import difflib
 import math
+import operator
 import os
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 from numbers import Real
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -131,10 +133,11 @@ def truth(name: str, value: object) -> bool:
 
 
 def whole(name: str, value: object) -> int:
-    """``value`` as a whole number; True and False are none."""
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
-        raise TypeError(f"{name} = {brief(value)}: must be a whole number")
-    return int(value)
+    """``value`` as a whole number, also of an array without axes; True and False are none."""
+    if isinstance(value, SupportsIndex) and not isinstance(value, bool):
+        with suppress(TypeError):
+            return operator.index(value)
+    raise TypeError(f"{name} = {brief(value)}: must be a whole number")
 
 
 def positive_int(name: str, value: object, *, minimum: int = 1) -> int:

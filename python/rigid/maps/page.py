@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import brief, resolve_threads
+from .._checks.arguments import brief, resolve_threads, whole
 from .._checks.progress import Listening, ProgressOption
 from .._files import published, require_ending
 from ..animation.explorer import Explorer, packed, page_of
@@ -28,7 +28,6 @@ from .data import CLASSES, STATUS, MapData
 from .grid import Pixels
 from .job import requests
 from .plot import DASHES, View, cell_edges, fine_curves
-from .replay import whole
 from .samples import Outcomes, outcomes, starts
 from .spec import MapSpec
 from .theory import predict

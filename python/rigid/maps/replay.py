@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import itertools
 import math
-import operator
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, SupportsIndex
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, sorted_times
+from .._checks.arguments import brief, sorted_times, whole
 from ..drawing.colours import HUES, on_ground
 from ..drawing.figure import html_text, html_with_picture
 from ..model.criteria import Regular, norm_of
@@ -365,11 +364,3 @@ def pixel_index(pixel: int | tuple[int, ...], shape: tuple[int, ...]) -> tuple[i
     if not inside:
         raise IndexError(f"pixel = {brief(pixel)}: lies outside the map of shape {shape}")
     return index
-
-
-def whole(name: str, value: SupportsIndex) -> int:
-    """A whole number, also of an array without axes."""
-    try:
-        return operator.index(value)
-    except TypeError:
-        raise TypeError(f"{name} = {brief(value)}: must be a whole number") from None
