@@ -1,23 +1,19 @@
 //! Errors that a run by equal steps and its check share: their steps round alike.
 
-use super::{Run, Sized, cross, larger, length, smaller};
+use super::{Run, Sized, cross, length, smaller};
 use crate::body::Body;
 use crate::call::Call;
 use crate::error::Error;
 use crate::forces::Forces;
 use crate::inertia::moment_range;
 use crate::memory;
-use crate::method::{AnyMethod, MIDPOINT, RK4, STIFF, default_step};
+use crate::method::{AnyMethod, MIDPOINT, RK4, default_step};
 use crate::scene::Scene;
 use crate::special::{exp, ln};
 use crate::trajectory::{Record, Request, Schedule, simulate, time_range};
-use std::f64::consts::PI;
 
 /// Rounding error (rad) of each rotation of a splitting. Equal rotations err in both runs alike, all in one direction.
 const ROTATION: f64 = 1.6e-17;
-
-/// Rounding error (rad) of the one rotation of a step of `etd4`, if all are equal and about one direction.
-const TURN: f64 = 1.3e-16;
 
 /// Relative rounding error of the rates in each of many equal steps.
 ///
@@ -52,14 +48,11 @@ pub fn of_equal_steps(known: &Sized, error: &mut [f64]) {
     if run.tolerance.is_some() {
         return;
     }
-    let (method, is_forced) = (run.method, !run.forces.is_none());
+    let method = run.method;
     let rotations = if method.facts.symplectic { method.facts.stages as f64 } else { 0.0 };
     let mut floor = ROTATION * rotations * run.steps;
-    if rotations > 0.0 && !is_forced && turns_evenly(run.body) {
+    if rotations > 0.0 && run.forces.is_none() && turns_evenly(run.body) {
         floor += 0.5 * DRIFT * run.steps * known.bound * known.span;
-    }
-    if is_forced && method.facts.name == STIFF.facts.name {
-        floor += TURN * run.steps;
     }
     // The second run of a series carries the rounding of a step on.
     if !method.is_series() {
@@ -197,22 +190,12 @@ pub fn of_ringing(known: &Sized, error: &mut [f64]) {
     }
 }
 
-/// Makes the error unknown of a body that may turn by more than a half in a step of a method for strong damping: both runs
-/// lose the angle that it turned before damping slowed it.
-pub fn of_steps_beyond_damping(known: &Sized, error: &mut [f64]) {
-    let run = known.run;
-    let is_damped = run.tolerance.is_none() && !run.forces.is_none() && run.method.is_stiff();
-    if is_damped && larger(known.bound * known.span, 0.0) > PI * run.taken {
-        error.fill(f64::INFINITY);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::estimate::Recorded;
     use crate::forces::{BodyForces, Damping};
-    use crate::method::{DEFAULT, Method, SPLITTING};
+    use crate::method::{DEFAULT, Method, SPLITTING, STIFF};
     use crate::simd::Isa;
 
     const TIMES: [f64; 2] = [0.5, 1.0];
@@ -290,14 +273,5 @@ mod tests {
         assert!((first - 1.5 / 3.5).abs() < 1e-15 && (second - (1.5_f64 / 3.5).powi(2)).abs() < 1e-15);
         assert_eq!(errors(of_ringing, STIFF, &spinning([1.0; 3]), DAMPED), [0.0; 2]);
         assert_eq!(errors(of_ringing, &MIDPOINT, &spinning([1.0; 3]), [0.0; 6]), [0.0; 2]);
-    }
-
-    #[test]
-    fn a_body_that_may_turn_by_more_than_a_half_in_a_step_under_strong_damping_is_unknown() {
-        let fast = Body { omega: [0.0, 0.0, 2.001 * PI], ..spinning([1.0; 3]) };
-        let slow = Body { omega: [0.0, 0.0, 1.999 * PI], ..fast };
-        assert_eq!(errors(of_steps_beyond_damping, STIFF, &fast, DAMPED), [f64::INFINITY; 2]);
-        assert_eq!(errors(of_steps_beyond_damping, STIFF, &slow, DAMPED), [0.0; 2]);
-        assert_eq!(errors(of_steps_beyond_damping, DEFAULT, &fast, DAMPED), [0.0; 2]);
     }
 }

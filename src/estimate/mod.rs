@@ -133,10 +133,9 @@ struct Sized<'a> {
 type Term = fn(&Sized, &mut [f64]);
 
 /// All of them.
-const TERMS: [Term; 9] = [
+const TERMS: [Term; 8] = [
     equal_steps::of_equal_steps,
     equal_steps::of_ringing,
-    equal_steps::of_steps_beyond_damping,
     rounding::of_equal_runs,
     rounding::of_hanging_top,
     rounding::of_few_steps,

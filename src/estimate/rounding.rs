@@ -5,9 +5,6 @@ use super::{REST, Sized, dot, larger, length, smaller, vertical};
 /// Rounding error per radian turned that two runs which agree bit for bit may share.
 const EQUAL_RUNS: f64 = 5e-16;
 
-/// Rounding of each radian turned, of the least tolerances too: twice the rounding of a closed form.
-const IN_A_RADIAN: f64 = 2e-15;
-
 /// Two runs of which the coarser takes no more steps may be one polynomial: their distance does not show their last terms.
 /// All ten undetected errors of 2000 random runs were of this kind.
 const FEW: f64 = 6.0;
@@ -43,18 +40,15 @@ fn rounded_share_of_torque(weight: [f64; 3], attitude: [f64; 4]) -> f64 {
     length(&products) / length(&com)
 }
 
-/// Adds what two runs by tolerances may have in common: last terms, and rounding.
-///
-/// A tolerance is relative to the bound of the rates, an error to the fastest rate of the run.
+/// Adds the tolerance of the coarser run where both runs may be one polynomial. It is relative to the bound of the rates, an
+/// error to the fastest rate of the run.
 pub fn of_few_steps(known: &Sized, error: &mut [f64]) {
-    let run = known.run;
-    let (Some(tolerance), Some(coarser)) = (run.tolerance, run.coarser_tolerance) else { return };
-    if !(known.bound > 0.0) {
+    let Some(coarser) = known.run.coarser_tolerance else { return };
+    if known.run.taken > FEW || !(known.bound > 0.0) {
         return;
     }
-    let terms = tolerance + if run.taken <= FEW { coarser } else { 0.0 };
     let share = if known.fastest > REST * known.bound { known.bound / known.fastest } else { 1.0 };
-    add(terms * share + IN_A_RADIAN * (1.0 + known.bound * known.span), error);
+    add(coarser * share, error);
 }
 
 /// Adds the error from the rounding of the damping that two runs may share.
