@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ._checks.arguments import require, shaped
 from ._checks.arrays import Floats
 from ._checks.overflow import refuses_overflow
+from .free.tops import cone_angles
 
 __all__ = [
     "MEAN_RADIUS",
@@ -209,8 +210,8 @@ def wobble(
 ) -> Wobble:
     """Periods, angles and circles of the free precession of a symmetric top.
 
-    The formulas of :func:`rigid.free.symmetric_free_top`, without the sum ``1 + ellipticity`` where
-    it would lose digits of the ellipticity of a body that is nearly a sphere.
+    As :func:`rigid.free.symmetric_free_top`, whose moments would lose digits of the ellipticity of
+    a body that is nearly a sphere.
 
     Ercan 2016, § 9.3, prints ``phi' = 0.00329`` for 1.00329 times the rate (erratum D-26), and a
     circle of the pole of some tens of centimetres, although 0.2 arc seconds give a radius of 6.18 m
@@ -252,15 +253,14 @@ def wobble(
     require("tilt", angle, (angle >= 0.0) & (angle <= 0.5 * pi), "must lie in [0, pi/2] (rad)")
     size = shaped("radius", radius, positive=True)
     sine, cosine = np.sin(angle), np.cos(angle)
-    axial = (1.0 + flat) * cosine
-    precession = speed * np.hypot(sine, axial)
-    separation = np.arctan2(np.abs(flat) * sine * cosine, sine * sine + axial * cosine)
+    precession = speed * np.hypot(sine, (1.0 + flat) * cosine)
+    theta, separation = cone_angles(sine, cosine, 1.0 + flat, flat)
     return Wobble(
         period=euler_period(flat, speed * cosine),
         precession=precession,
         space_period=2.0 * pi / precession,
         alpha=np.array(angle)[()],
-        theta=np.arctan2(sine, axial),
+        theta=theta,
         separation=separation,
         pole_circle=size * angle,
         space_circle=size * separation,

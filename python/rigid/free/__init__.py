@@ -5,7 +5,7 @@ scalar first, body to space. Arrays may have any leading axes. For the motion us
 :func:`rigid.simulate` or :mod:`rigid.exact`; this package has the quantities of textbooks.
 
 The package uses :mod:`rigid.exact`, :mod:`rigid.rotations` and runs; it imports neither maps nor
-the planner. :mod:`rigid.top` and :mod:`rigid.figures` use it.
+the planner. :mod:`rigid.top`, :mod:`rigid.earth` and :mod:`rigid.figures` use it.
 """
 
 from .._checks.exported import exported as _exported

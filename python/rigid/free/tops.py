@@ -138,9 +138,7 @@ def symmetric_free_top(
     alpha = np.arctan2(transverse, spin)
     ratio = along / across
     tilting, turning = np.moveaxis(of_size_one(np.stack([transverse, spin], axis=-1))[0], -1, 0)
-    # The angle of L and omega from products: alpha - theta loses all digits for the Earth.
-    sine = np.abs((along - across) / across * turning) * tilting
-    cosine = tilting**2 + ratio * turning**2
+    theta, separation = cone_angles(tilting, turning, ratio, (along - across) / across)
     states = _states(moments, rates, attitude, t)
     with np.errstate(divide="ignore"):
         period = 2.0 * pi / np.abs(k)
@@ -153,14 +151,28 @@ def symmetric_free_top(
         precession=np.hypot(transverse, ratio * spin),
         spin=-k,
         alpha=alpha,
-        theta=np.arctan2(tilting, ratio * turning),
+        theta=theta,
         body_cone=np.minimum(alpha, pi - alpha),
-        space_cone=np.arctan2(sine, cosine),
+        space_cone=separation,
         amplitude=transverse,
         phase=np.arctan2(second, first),
         omega=states[0],
         attitude=states[1],
     )
+
+
+def cone_angles(
+    tilting: Floats, turning: Floats, ratio: Floats, ellipticity: Floats
+) -> tuple[Floats, Floats]:
+    """Angles (rad) of L from the symmetry axis and from omega.
+
+    The rates across and along the axis are in any unit, ``ratio`` is ``I3 / I`` and ``ellipticity``
+    ``(I3 - I) / I``, which the ratio would know to fewer digits.
+    """
+    theta = np.arctan2(tilting, ratio * turning)
+    # From products: alpha - theta loses all digits for the Earth.
+    sine = np.abs(ellipticity * turning) * tilting
+    return theta, np.arctan2(sine, tilting**2 + ratio * turning**2)
 
 
 def _symmetry_axes(moments: Floats) -> NDArray[np.intp]:

@@ -470,6 +470,8 @@ def _step_and_count(
         return None, None
     scene, bodies = problem.scene, problem.bodies
     unknown = bodies is None or (problem.span is None and scene.forces)
+    if unknown and problem.step is None:
+        return None, None
     if bodies is None:  # at rest: damping makes a step unstable from any start
         bodies = Bodies.of_scene(scene, np.zeros(3), IDENTITY, scene.shape)
     reach = problem.reach or (0.0, problem.step or 0.0)
